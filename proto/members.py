@@ -1,9 +1,9 @@
-"""Fields of answers and parameters of query strings, in C, from the contract.
+"""Makes the C code for fields of answers and for parameters of query strings from the contract.
 
 A parameter `select` whose items have `x-fields: {of: Schema}` accepts the names of the schema's
 members, in their order. `with: member` names a list whose items have members; the names of these
 members follow the list's name. `without` omits names. `expand` writes the names into the document
-as an enumeration. In C they are bits and a list of names.
+as an enumeration. In C the names are a list, and each name has a bit.
 """
 import re
 
@@ -26,7 +26,7 @@ def c_string(text):
 
 
 def follow(document, schema):
-    """Returns the schema behind references, and the name of the last one."""
+    """Follows references to a schema. Returns the schema and the name of the last reference."""
     name = None
     while "$ref" in schema or len(schema.get("allOf", [])) == 1:
         schema = schema if "$ref" in schema else schema["allOf"][0]
@@ -46,7 +46,7 @@ def field_names(document, rule):
 
 
 def field_lists(document):
-    """Yields (name, rule, items) of each parameter whose names are those of a schema."""
+    """Yields (name, rule, items) of each parameter that accepts the names of a schema's members."""
     for name, parameter in document["components"]["parameters"].items():
         items = parameter.get("schema", {}).get("items", {})
         if "x-fields" in items:
@@ -104,7 +104,7 @@ def has_lines(document, item, operation):
 
 
 def parameter_lists(document):
-    """Yields (operation, query parameters) of each operation with some."""
+    """Yields (operation, query parameters) of each operation that has query parameters."""
     for _, item, method, operation in operations(document):
         names = query_names(document, item, operation)
         if names and method != "head":

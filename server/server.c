@@ -111,8 +111,8 @@ static void server_tick(struct server *server, uint64_t now_ns)
 }
 
 /* Waits for the next tick. While requests are deferred, a wake does not shorten the wait. A wake
- * comes each time that the number of deferred requests rises from zero, which is often. False: the
- * thread must end. */
+ * comes each time that the number of deferred requests rises from zero, which is often. False if
+ * the thread must end. */
 static bool deadlines_wait(struct server *server, struct server_thread *thread)
 {
     if (atomic_load(&server->host.deferred)) return server_thread_sleep(thread, TICK_NS);

@@ -21,10 +21,10 @@ struct server {
     struct server_host host; /* the objects that every request needs; owned */
     struct server_api api;   /* the other objects that handlers need; owned */
     struct server_config config;
-    struct server_tls *tls; /* NULL: HTTP without TLS */
+    struct server_tls *tls; /* NULL means HTTP without TLS */
     struct server_budget budget;
-    struct server_field_store *field_store; /* NULL: nothing is stored */
-    struct server_scrub *scrub;             /* NULL: stored files are not verified */
+    struct server_field_store *field_store; /* NULL means nothing is stored */
+    struct server_scrub *scrub;             /* NULL means stored files are not verified */
     struct server_thread *deadlines;        /* ticks while there are deadlines */
     struct server_thread *trimmer;          /* trims the heap */
     struct server_connections *connections;

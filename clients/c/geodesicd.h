@@ -79,7 +79,7 @@ void gdc_client_set_progress(struct gdc_client *client, gdc_progress progress, v
 struct gdc_request {
     /* "POST", "/v1/meshes/bunny/trace?geometry=xyz"; the path is URL-encoded */
     const char *method, *path;
-    const void *body; /* NULL: none */
+    const void *body; /* NULL means that there is none */
     size_t body_size;
     const char *content_type; /* NULL: application/json */
     const char *accept;       /* NULL: application/json */
@@ -195,7 +195,8 @@ struct gdc_page {
     char *json;     /* the caller frees the last text with gdc_free */
     char next[128]; /* where the next page begins; "" after the last page */
 };
-/* Reads a page of the meshes whose names begin with `prefix` (NULL: all): {"meshes": [...]}. */
+/* Reads a page of the meshes whose names begin with `prefix` (NULL means all): {"meshes":
+ * [...]}. */
 enum gdc_status gdc_list(struct gdc_client *client, const char *prefix, struct gdc_page *page,
                          struct gdc_problem *problem);
 /* Like gdc_upload, from the file at `path`. Errors: those of gdc_upload, GDC_FILE. */
@@ -221,7 +222,7 @@ enum gdc_status gdc_shortest_path(struct gdc_client *client, const char *mesh,
 
 /* Computes the distances from each source to each target. Writes `source_count * target_count`
  * doubles into memory of the caller, one row for each source. A distance is NaN if no path joins
- * the points or the distance exceeds `max_distance` (0: no limit). All inputs are borrowed.
+ * the points or the distance exceeds `max_distance` (0 means no limit). All inputs are borrowed.
  * Errors: those of gdc_query. */
 struct gdc_matrix_points {
     const struct gdc_point *sources, *targets;

@@ -18,8 +18,9 @@ static inline uint32_t gd__array_capacity(uint32_t capacity, uint32_t count)
 }
 
 /* Makes room for `count` items in the array whose pointer is stored at the address `array`. The
- * budget of `control` (NULL: unlimited) must cover the old and the new array together. On failure
- * the array is unchanged. GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE (more than 2^32 - 1 items). */
+ * budget of `control` (NULL means no limit) must cover the old and the new array together. On
+ * failure the array is unchanged. Errors: GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE (more than 2^32 - 1
+ * items). */
 GD_MUST_USE static inline enum gd_status gd__array_extend(void *array, uint32_t *capacity,
                                                           uint64_t count, size_t size,
                                                           const struct gd_control *control)

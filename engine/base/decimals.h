@@ -59,8 +59,8 @@ gd__decimals_kernel *gd__decimals_kernel_here(void);
  * has length 2^q and ends at (c + 1/2) 2^q. Let 10^k be the least power of ten above 2^q. In units
  * of 10^k, the upper end is (2c + 1) 2^8 / 2^128 times the scale, and the length is 0.1 to 1. */
 struct gd__decimal_scale {
-    uint64_t high;       /* upper 64 bits of the scale; `low`: the 32 bits below them */
-    uint32_t low, width; /* `width`: the interval's length x 2^32, rounded down */
+    uint64_t high;       /* upper 64 bits of the scale; `low` is the 32 bits below them */
+    uint32_t low, width; /* `width` is the interval's length x 2^32, rounded down */
 };
 
 /* Scales for 2^-19 <= value < 2^56, indexed by the value's biased exponent. */

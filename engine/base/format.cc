@@ -28,8 +28,8 @@ constexpr int POINTS = 23;
  * index `tail` of gd__decimals.digits on are then written once more, behind the point. */
 struct layout {
     unsigned char digits, point, tail;
-    /* False: the number has no point between its digits. The code then writes the point to scratch
-     * space. */
+    /* False if the number has no point between its digits. The code then writes the point to
+     * scratch space. */
     bool is_pointed_within;
 };
 

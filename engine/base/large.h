@@ -12,7 +12,7 @@
  * array by free. Returns NULL if there is no memory. Thread-safe. */
 void *gd__large_array(size_t count, size_t size);
 
-/* As gd__large_array, but zeroed and aligned as by calloc. Pages are allocated at the first
+/* Like gd__large_array, but zeroed and aligned as by calloc. Pages are allocated at the first
  * write. */
 void *gd__large_zeroed(size_t count, size_t size);
 

@@ -20,7 +20,7 @@
 #define GD__PACE_STEPS 8192 /* steps between two checks; a step takes about 50 ns */
 
 struct gd__pace {
-    const struct gd_control *control; /* NULL: never stops */
+    const struct gd_control *control; /* NULL never stops */
     double fraction;                  /* progress to report to the control */
     size_t held;                      /* bytes to check against the budget */
     uint64_t count;                   /* steps since the last check */
@@ -38,7 +38,7 @@ static inline bool gd__pace(struct gd__pace *pace, uint64_t steps)
     return !pace->status;
 }
 
-/* As gd__pace. Returns the status. */
+/* Like gd__pace. Returns the status. */
 GD_MUST_USE static inline enum gd_status gd__pace_step(struct gd__pace *pace, uint64_t steps)
 {
     gd__pace(pace, steps);

@@ -15,7 +15,7 @@
 #define GD__REGION_MOST ((size_t)32 << 30)
 
 struct gd__region {
-    char *base;     /* 64-byte aligned; NULL: not open */
+    char *base;     /* 64-byte aligned; NULL if not open */
     size_t used;    /* bytes in use; the owner sets it */
     size_t granted; /* bytes charged to the budget */
     /* Bytes that this or an earlier owner has used. They are backed by memory. */
@@ -29,12 +29,12 @@ struct gd__region {
 GD_MUST_USE enum gd_status gd__region_open(struct gd__region *region, size_t most,
                                            struct gd__budget *budget);
 
-/* Makes room for `bytes` behind the bytes in use. GD_NO_MEMORY, GD_BUDGET. */
+/* Makes room for `bytes` behind the bytes in use. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__region_reserve(struct gd__region *region, size_t bytes);
 
 /* The array of a closed region. */
 struct gd__kept {
-    char *base;   /* NULL: the region was empty */
+    char *base;   /* NULL means that the region was empty */
     size_t bytes; /* bytes backed by memory */
     size_t reserved;
 };

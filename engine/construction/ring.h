@@ -14,7 +14,7 @@ struct gd__ring_corner {
        overflow nor underflow */
     struct gd_vec3 position;
     uint32_t vertex, previous, next;
-    uint32_t reflex_slot; /* index in the list of reflex corners; GD_NONE: convex or cut off */
+    uint32_t reflex_slot; /* index in the list of reflex corners; GD_NONE if convex or cut off */
 };
 
 /* Fills corner[0 .. count-1] with the whole polygon. */

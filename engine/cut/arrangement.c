@@ -74,7 +74,7 @@ static double distance_of_node(const struct gd__arrangement *arrangement,
     return distance_from(place[0], place[1], place[2]);
 }
 
-/* Returns the node nearest to the segment within half a reach; GD_NONE: none. */
+/* Returns the node nearest to the segment within half a reach, or GD_NONE if there is none. */
 static uint32_t find_passed(struct gd__arrangement *arrangement, const struct gd__segment *segment)
 {
     struct gd__nodes *nodes = &arrangement->nodes;
@@ -126,7 +126,7 @@ static enum gd_status revisit(struct gd__arrangement *arrangement, uint32_t node
 
 /* --- crossings -------------------------------------------------------------------------------- */
 
-/* Returns the link to a kept segment that `segment` crosses; NULL: none. */
+/* Returns the link to a kept segment that `segment` crosses, or NULL if there is none. */
 static uint32_t *find_crossed(struct gd__arrangement *arrangement,
                               const struct gd__segment *segment)
 {

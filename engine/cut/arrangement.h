@@ -20,7 +20,7 @@
 struct gd__segment {
     uint32_t a, b; /* nodes */
     uint32_t face;
-    /* the next kept segment of the same face, or the next segment on the stack; GD_NONE: the
+    /* the next kept segment of the same face, or the next segment on the stack; GD_NONE for the
        last */
     uint32_t next;
 };
@@ -35,8 +35,8 @@ struct gd__arrangement { /* an all-zero struct is empty */
     uint32_t segment_count, segment_capacity;
     struct gd__run *runs;
     uint32_t run_count, run_capacity;
-    uint32_t *of_face; /* per face: its first kept segment; GD_NONE: none */
-    uint32_t waiting;  /* top of the stack; GD_NONE: empty */
+    uint32_t *of_face; /* for each face, its first kept segment, or GD_NONE if there is none */
+    uint32_t waiting;  /* top of the stack; GD_NONE if empty */
     uint64_t work;     /* number of segments processed */
 };
 

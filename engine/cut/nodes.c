@@ -260,7 +260,7 @@ uint32_t gd__nodes_walk(const struct gd__nodes *nodes, uint32_t face, struct gd_
 {
     const uint32_t *side = nodes->mesh->face_side[face];
     if (walk->stage < 3) return nodes->mesh->origin[side[walk->stage++]];
-    while (walk->next == 0 || walk->next == GD_NONE) { /* 0: no new node */
+    while (walk->next == 0 || walk->next == GD_NONE) { /* 0 means no new node */
         if (walk->stage == 7) return GD_NONE;
         uint32_t list = walk->stage++ - 3;
         walk->next = list < 3 ? nodes->of_edge[side[list] / 2] : nodes->of_face[face];

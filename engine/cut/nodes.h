@@ -15,7 +15,7 @@ struct gd__node {
     struct gd_point point; /* the node's point, on an edge or in a face */
     /* on an edge: u is the parameter along the edge, v is 0; in a face: the place in the face */
     struct gd__site site;
-    uint32_t next; /* the next node of the same edge or face; GD_NONE: the last */
+    uint32_t next; /* the next node of the same edge or face; GD_NONE for the last */
 };
 
 struct gd__nodes {
@@ -25,7 +25,7 @@ struct gd__nodes {
     double shift; /* largest displacement of a point */
     struct gd__node *items;
     uint32_t count, capacity;
-    uint32_t *of_edge, *of_face; /* first node of each edge and face; GD_NONE: none */
+    uint32_t *of_edge, *of_face; /* first node of each edge and face, or GD_NONE if there is none */
 };
 
 GD_MUST_USE enum gd_status gd__nodes_init(struct gd__nodes *nodes, const struct gd_mesh *mesh,

@@ -11,10 +11,10 @@ struct cutting {
     struct gd_detail *detail;
     struct gd_cut cut;
     uint32_t *piece; /* per triangle */
-    /* per corner: the number of its vertex in its piece if the corner represents the vertex, else
-       GD_NONE */
+    /* for each corner, the number of its vertex in its piece if the corner represents the vertex,
+       else GD_NONE */
     uint32_t *number;
-    uint32_t wanted; /* the only piece that is returned; GD_NONE: all */
+    uint32_t wanted; /* the only piece that is returned; GD_NONE means all */
 };
 
 static void free_piece(struct gd_cut_piece *piece)

@@ -23,9 +23,9 @@
 
 struct gd__planar_triangle {
     uint32_t corner[3]; /* counter-clockwise */
-    /* the triangle across the side from corner k to corner k + 1; GD_NONE: none */
+    /* the triangle across the side from corner k to corner k + 1, or GD_NONE if there is none */
     uint32_t across[3];
-    bool is_fixed[3]; /* true: that side is a segment */
+    bool is_fixed[3]; /* true if that side is a segment */
 };
 
 struct gd__planar { /* reused from face to face; an all-zero struct is empty */
@@ -33,7 +33,7 @@ struct gd__planar { /* reused from face to face; an all-zero struct is empty */
     uint32_t site_count, site_capacity, triangle_count;
     struct gd__site *sites;
     struct gd__local *places;
-    uint32_t *triangle_at; /* per site: a triangle with it as a corner */
+    uint32_t *triangle_at; /* for each site, a triangle with it as a corner */
     struct gd__planar_triangle *triangles;
     struct gd__planar_side *queue; /* queue of sides to be flipped */
 };

@@ -15,8 +15,9 @@ struct refining {
     const struct gd__seam *seam;
     struct gd__refined refined;
     struct gd__planar planar;
-    uint32_t *site_node; /* per site of the current face: its node */
-    /* per piece: 3 * triangle + side, of the first triangle at the piece; GD_NONE: none yet */
+    uint32_t *site_node; /* for each site of the current face, its node */
+    /* for each piece, 3 * triangle + side, of the first triangle at the piece, or GD_NONE if there
+       is none yet */
     uint32_t *first_side;
     uint32_t site_capacity;
 };

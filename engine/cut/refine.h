@@ -12,11 +12,11 @@ struct gd__refined { /* an all-zero struct is empty */
     const struct gd__nodes *nodes;
     uint32_t count; /* triangles */
     uint32_t (*node)[3];
-    uint32_t *face;    /* per triangle: the mesh's face that contains it */
+    uint32_t *face;    /* for each triangle, the mesh's face that contains it */
     uint32_t *region;  /* union-find: joined triangles */
     uint32_t *vertex;  /* union-find: joined corners, 3 a triangle */
-    uint32_t *of_face; /* per face: its first triangle */
-    uint32_t *in_face; /* per face: the number of its triangles */
+    uint32_t *of_face; /* for each face, its first triangle */
+    uint32_t *in_face; /* for each face, the number of its triangles */
 };
 
 /* Refines the mesh. Errors: GD_RUNAWAY (a segment can't be inserted, or a triangle is too flat for

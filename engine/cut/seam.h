@@ -14,10 +14,10 @@ struct gd__seam { /* an all-zero struct is empty */
     /* nodes on edges, by edge, in order of their parameters; the nodes of edge e begin at first[e]
        - e */
     uint32_t *edge_node;
-    /* per new node on an edge: 1 + the number of preceding nodes on that edge */
+    /* for each new node on an edge, 1 + the number of preceding nodes on that edge */
     uint32_t *place;
-    uint8_t *is_cut;     /* per piece: true if it belongs to the seam */
-    uint8_t *is_cutting; /* per segment of the arrangement: true if it belongs to the seam */
+    uint8_t *is_cut;     /* for each piece, true if it belongs to the seam */
+    uint8_t *is_cutting; /* for each segment of the arrangement, true if it belongs to the seam */
     uint32_t cuts;       /* number of pieces and segments of the seam */
 };
 

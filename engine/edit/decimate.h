@@ -10,8 +10,8 @@ extern "C" {
 
 /* Collapses edges until options->faces are left or no collapse is allowed. `most_distance`, in the
  * unit box, bounds the root of the mean squared distance from the planes of the merged faces
- * (INFINITY: no bound). Does not set the result's distance. GD_NO_MEMORY, GD_CANCELLED,
- * GD_DEADLINE. */
+ * (INFINITY means no bound). Does not set the result's distance. Errors: GD_NO_MEMORY,
+ * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__decimate(const struct gd_mesh *mesh,
                                         const struct gd_simplify_options *options,
                                         double most_distance, const struct gd_control *control,

@@ -20,7 +20,7 @@ struct gd__edit_counts {
 struct gd__edit_side {
     uint32_t destination; /* a vertex */
     uint32_t next;        /* next side around the face; for a boundary side, around the hole */
-    uint32_t face;        /* GD_NONE: boundary */
+    uint32_t face;        /* GD_NONE at the boundary */
 };
 
 struct gd__edit_counts gd__edit_counts(const struct gd_mesh *mesh);
@@ -32,8 +32,8 @@ uint32_t gd__edit_leaving(const struct gd_mesh *mesh, uint32_t vertex);
 /* Returns the side from corner 0 of a face. */
 uint32_t gd__edit_first_side(const struct gd_mesh *mesh, uint32_t face);
 
-/* Returns the vertex or face of an index of the input. GD_NONE: the index has no vertex or face, or
- * the vertex was merged into that of another index. */
+/* Returns the vertex or face of an index of the input. GD_NONE means that the index has no vertex
+ * or face, or the vertex was merged into that of another index. */
 uint32_t gd__edit_vertex(const struct gd_mesh *mesh, uint32_t index);
 uint32_t gd__edit_face(const struct gd_mesh *mesh, uint32_t index);
 

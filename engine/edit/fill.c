@@ -161,7 +161,7 @@ static enum gd_status put_new(const struct gd_mesh *mesh, const double in_box[3]
 /* The result while it is being written. */
 struct writing {
     struct gd__pace *pace;
-    uint32_t *number; /* per internal vertex: its number in the result */
+    uint32_t *number; /* for each internal vertex, its number in the result */
     uint32_t vertices, faces;
     struct gd_edited made;
 };

@@ -70,7 +70,7 @@ static bool is_taken(const void *user, uint32_t i, uint32_t j)
  * chord between them. */
 struct spans {
     struct gd__hole *hole;
-    double *cost; /* least area; INFINITY: none */
+    double *cost; /* least area, or INFINITY if there is none */
     uint16_t *apex;
 };
 

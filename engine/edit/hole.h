@@ -13,19 +13,20 @@ struct gd__hole {
     struct gd__patch patch; /* its final form */
 };
 
-/* Reads a boundary loop. GD_NO_MEMORY. */
+/* Reads a boundary loop. Errors: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__hole_read(const struct gd_mesh *mesh, uint32_t loop,
                                          struct gd__hole *out);
 void gd__hole_free(struct gd__hole *hole);
 
-/* Computes the rough patch. GD_NOT_TRIANGULABLE (all triangulations have flat triangles),
+/* Computes the rough patch. Errors: GD_NOT_TRIANGULABLE (all triangulations have flat triangles),
  * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. For n edges: O(n^3) time and 10 n^2 bytes. */
 GD_MUST_USE enum gd_status gd__hole_triangulate(struct gd__hole *hole, struct gd__pace *pace,
                                                 struct gd_detail *detail);
 
 /* Computes the final patch from the rough one. Tries three forms: refined and smoothed, only
- * refined, and unchanged. Keeps the first form whose faces do not cross. GD_NOT_TRIANGULABLE (in
- * every form faces cross), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
+ * refined, and unchanged. Keeps the first form whose faces do not cross. Errors:
+ * GD_NOT_TRIANGULABLE (in every form faces cross), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__hole_finish(struct gd__hole *hole, const struct gd_control *control,
                                            struct gd_detail *detail);
 

@@ -25,7 +25,7 @@ static const double DENSITY = 1.4142135623730951; /* Liepa's alpha: the root of 
 
 struct Refinement {
     EditMesh mesh;
-    std::vector<double> scale; /* per vertex: mean length of the edges around it */
+    std::vector<double> scale; /* for each vertex, mean length of the edges around it */
     uint32_t loop_count;
     const struct gd__patch_options &options;
     Watch watch;

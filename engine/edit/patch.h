@@ -16,7 +16,7 @@ struct gd__patch {
 };
 
 struct gd__patch_options {
-    bool is_smooth; /* true: the new vertices are moved, so that the patch is smooth */
+    bool is_smooth; /* true if the new vertices are moved, so that the patch is smooth */
     /* returns true if an edge outside the patch joins two vertices of the loop */
     bool (*is_taken)(const void *user, uint32_t a, uint32_t b);
     const void *user;

@@ -14,8 +14,8 @@ struct part {
 struct split {
     const struct gd_edited *edited;
     struct gd__pace pace;
-    uint32_t *root;   /* per vertex: the lowest vertex of its component */
-    uint32_t *number; /* per root: its part; later, per vertex: its number in its part */
+    uint32_t *root;   /* for each vertex, the lowest vertex of its component */
+    uint32_t *number; /* for each root, its part; later, per vertex: its number in its part */
     struct part *parts;
     uint32_t count;
 };

@@ -10,7 +10,7 @@ struct level {
     const struct gd_mesh *mesh;
     enum gd_subdivide_scheme scheme;
     struct gd__pace pace;
-    /* per internal vertex: its number in the result, which is in the order of indices */
+    /* for each internal vertex, its number in the result, which is in the order of indices */
     uint32_t *number;
     struct gd_edited made;
 };

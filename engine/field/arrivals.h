@@ -7,12 +7,12 @@
 
 /* Sets *out to true if paths whose lengths agree with the shortest to GD_TOL_CUT arrive from
  * directions at least GD_TOL_CUT_ANGLE apart. *out is false at seeds and at points without a path.
- * GD_NO_MEMORY. O(wedges of the edges of the faces that contain the point). */
+ * Errors: GD_NO_MEMORY. O(wedges of the edges of the faces that contain the point). */
 GD_MUST_USE enum gd_status gd__field_is_cut(const struct gd_field *field,
                                             const struct gd_point *point, bool *out);
 
-/* As gd__field_is_cut, for a path of the field. Tests the path's first point and each vertex of the
- * path, because other paths may join there. */
+/* Like gd__field_is_cut, for a path of the field. Tests the path's first point and each vertex of
+ * the path, because other paths may join there. */
 GD_MUST_USE enum gd_status gd__field_path_is_cut(const struct gd_field *field,
                                                  const struct gd_path *path, bool *out);
 

@@ -47,9 +47,10 @@ struct tracer {
     struct gd__isoline_parts parts;
     struct gd__places places;
     struct gd__face_scratch scratch;
-    /* per crossing: the chain that starts at it; GD_NONE: a line ends at it, on the boundary */
+    /* for each crossing, the chain that starts at it; GD_NONE means that a line ends at it, on the
+       boundary */
     uint32_t *onwards;
-    uint32_t *first; /* per line: its first chain; open lines first */
+    uint32_t *first; /* for each line, its first chain; open lines first */
     uint32_t line_count, open_count;
 };
 

@@ -11,10 +11,10 @@ enum { STEPS_A_SOURCE = 8 };
  * An arriving end is the start of an arc, or a crossing where the line leaves the face. */
 struct gd__end {
     struct gd__local at;
-    uint32_t arc;      /* GD_NONE: a crossing */
-    uint32_t crossing; /* GD_NONE: an end of an arc */
+    uint32_t arc;      /* GD_NONE means a crossing */
+    uint32_t crossing; /* GD_NONE means an end of an arc */
     bool goes_on;
-    uint32_t match; /* the matching end; GD_NONE: not matched yet */
+    uint32_t match; /* the matching end; GD_NONE if not matched yet */
 };
 
 struct gd__arc {

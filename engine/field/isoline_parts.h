@@ -39,7 +39,7 @@ struct gd__isoline_piece {
 struct gd__isoline_chain {
     uint32_t entry, exit;
     uint32_t first, count;
-    bool has_arcs; /* false: all pieces bridge gaps due to rounding */
+    bool has_arcs; /* false if all pieces bridge gaps due to rounding */
 };
 
 #define GD__CROSSING_BLOCK 64 /* edges */

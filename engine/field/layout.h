@@ -19,17 +19,18 @@ struct gd__face_seed {
 struct gd_field {
     atomic_uint references;
     const struct gd_mesh *mesh;
-    double reach;                        /* normalised unit; GD__FAR: complete */
+    double reach;                        /* normalised unit; GD__FAR if complete */
     double *distance;                    /* per vertex */
     struct gd__predecessor *predecessor; /* per vertex */
-    /* per edge: its newest chunk, in GD__CHUNK_UNITs of `wedges`; GD_NONE: none */
+    /* for each edge, its newest chunk, in GD__CHUNK_UNITs of `wedges`, or GD_NONE if there is
+       none */
     uint32_t *newest;
     char *wedges; /* chunks */
     size_t wedge_bytes;
     struct gd__kept kept; /* memory of the wedges; empty for an image */
     struct gd__seed *seeds;
     uint32_t seed_count;
-    bool has_segments;                /* true: some seeds are segments */
+    bool has_segments;                /* true if some seeds are segments */
     struct gd__face_seed *face_seeds; /* sorted by face */
     uint32_t face_seed_count;
     size_t bytes;
@@ -104,7 +105,7 @@ GD_MUST_USE enum gd_status gd__field_take_seeds(struct gd_field *field,
 /* field.c: returns the size of the arrays in bytes. */
 size_t gd__field_bytes(const struct gd_field *field);
 
-/* field.c: bounds of the distances in a face. `least`: the greatest distance of a corner. `most`:
+/* field.c: bounds of the distances in a face. `least` is the greatest distance of a corner. `most`:
  * an upper bound, because each point is within an edge's length of each corner. A maximum inside
  * the face lies between the two. `most` may be less than `least`. */
 struct gd__levels {
@@ -157,8 +158,8 @@ struct gd__leg_key {
 void gd__field_leg_key(const struct gd_field *field, const struct gd_point *point,
                        struct gd__leg_key *out);
 
-/* nearest.c: returns the pseudo-source where the last leg to a reached vertex begins. GD_NONE: the
- * predecessors of a damaged image are invalid. */
+/* nearest.c: returns the pseudo-source where the last leg to a reached vertex begins. GD_NONE means
+ * that the predecessors of a damaged image are invalid. */
 uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex);
 
 /* Returns the last leg of the best path to a point. */

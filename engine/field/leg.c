@@ -131,8 +131,8 @@ static inline bool seed_takes_tie(const struct gd__leg_key *best, double distanc
     return distance == best->distance && best->kind == GD__LEG_VERTEX;
 }
 
-/* Returns the distance of a point, given by its weights, from a seed in the same face. GD__FAR: the
- * seed is a segment, and the perpendicular through the point misses it. */
+/* Returns the distance of a point, given by its weights, from a seed in the same face. GD__FAR
+ * means that the seed is a segment, and the perpendicular through the point misses it. */
 static double distance_of_seed(const struct gd_mesh *mesh, const struct gd__seed *seed,
                                uint32_t face, const double to[3])
 {

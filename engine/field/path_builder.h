@@ -14,9 +14,9 @@ struct gd__path_builder {
     uint32_t capacity;
     /* fraction of an edge: crossings this near to an end of the edge are moved to the end */
     double snap;
-    /* 0: plain rays; GD_TOL_ASIDE_LEAST or more: careful rays (ray.c) */
+    /* 0 means plain rays; GD_TOL_ASIDE_LEAST or more: careful rays (ray.c) */
     double aside;
-    uint32_t vertex; /* the last vertex that the path passed; GD_NONE: none yet */
+    uint32_t vertex; /* the last vertex that the path passed, or GD_NONE if there is none yet */
     double nearest;  /* distance of the point where the current leg began */
     /* Bound on steps: a shortest path crosses no face twice, so a longer path is an error. */
     uint64_t steps_left;

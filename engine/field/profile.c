@@ -95,7 +95,7 @@ static enum gd_status push_wedges(struct gathering *g, int k)
     return status;
 }
 
-/* Adds a seed segment in the face, which is visible perpendicularly on both sides. */
+/* Adds a seed segment in the face. Points on both sides see the segment perpendicularly. */
 static enum gd_status push_chord(struct gathering *g, const struct gd__seed *seed, uint32_t source)
 {
     struct gd__chord chord = gd__chord(g->field->mesh, g->face, 0, &seed->point, &seed->end);
@@ -151,7 +151,8 @@ static enum gd_status gather_windows(struct gathering *g, const struct gd_point 
                                      const struct gd_point *b)
 {
     enum gd_status status = GD_OK;
-    for (int k = 2; k >= 0 && !status; k--) { /* side 0 last, because seeds are in its frame */
+    /* processes side 0 last, because seeds are in the frame of this side */
+    for (int k = 2; k >= 0 && !status; k--) {
         g->chord = gd__chord(g->field->mesh, g->face, k, a, b);
         g->profile->length = g->chord.length;
         status = push_corner(g, k);

@@ -20,7 +20,7 @@ struct gd__source {
     bool linear;         /* the source is a segment: it has a strip instead of a sector */
     /* for a linear source: the gradient of its distance, a unit vector */
     struct gd__local gradient;
-    bool has_sector; /* false: the source sees the whole face */
+    bool has_sector; /* false if the source sees the whole face */
     /* unit normals, inwards, of the lines that bound the sector */
     struct gd__local left, right;
     /* points on these lines; for a point source, the source itself */

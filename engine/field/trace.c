@@ -122,7 +122,8 @@ static struct gd__stop go_by_leg(struct gd__path_builder *builder, const struct 
 /* Parameters of one attempt to trace a path. */
 struct beginning {
     double aside; /* gd__path_builder.aside */
-    uint32_t via; /* the path first goes to this vertex of `face`; GD_NONE: it follows its leg */
+    /* the path first goes to this vertex of `face`; GD_NONE means that it follows its leg */
+    uint32_t via;
     uint32_t face;
 };
 

@@ -12,11 +12,11 @@ enum { BLOCK = 256 /* pseudo-sources of an entry of of_block */ };
 
 /* A place of a seed: its point, an end of its segment, or the segment as a whole. */
 struct place {
-    /* `end`: the second end of a segment; NULL for a point */
+    /* `end` is the second end of a segment; NULL for a point */
     const struct gd_point *at, *end;
     double offset;
     uint32_t member;
-    uint32_t number; /* number of the seed; GD_NONE: an end of a segment */
+    uint32_t number; /* number of the seed; GD_NONE means an end of a segment */
 };
 
 static int compare_doubles(double a, double b)
@@ -112,7 +112,8 @@ static enum gd_status assign_seeds(const struct gd_field *field, const uint32_t 
 
 /* --- vertices --------------------------------------------------------------------------------- */
 
-/* Returns the pseudo-source behind a vertex, without the bit for linear sources; GD_NONE: none. */
+/* Returns the pseudo-source behind a vertex, without the bit for linear sources, or GD_NONE if
+ * there is none. */
 static uint32_t source_behind(const struct gd_field *field, uint32_t vertex)
 {
     uint32_t source = gd__field_source_behind(field, vertex);

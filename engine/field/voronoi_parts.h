@@ -26,7 +26,7 @@
 
 /* The member of each pseudo-source, and the nudge of each member. */
 struct gd__members {
-    uint32_t *of; /* vertex_count + seed_count; GD_NONE: unreached */
+    uint32_t *of; /* vertex_count + seed_count; GD_NONE if unreached */
     /* per member (at most seed_count members): less than GD_TOL_TIE * farthest */
     double *nudge;
     double farthest; /* upper bound of the distances on edges */
@@ -63,7 +63,7 @@ void gd__members_destroy(struct gd__members *members);
 
 struct gd__node {
     struct gd_point point;
-    uint32_t bisector_part[2]; /* parts that meet at the node; GD_NONE: none */
+    uint32_t bisector_part[2]; /* parts that meet at the node, or GD_NONE if there is none */
     bool is_end;               /* bisectors end at the node */
 };
 
@@ -91,11 +91,12 @@ enum gd__mixture { GD__MIXTURE_UNKNOWN, GD__MIXTURE_PURE, GD__MIXTURE_MIXED };
 struct gd__diagram {
     const struct gd_field *field;
     const struct gd_mesh *mesh;
-    const uint32_t *member_of_seed; /* NULL: each seed is a member */
+    const uint32_t *member_of_seed; /* NULL means that each seed is a member */
     struct gd__members members;
-    /* per vertex: members.of, or the member that wins a tie */
+    /* for each vertex, members.of, or the member that wins a tie */
     uint32_t *owner;
-    double *nearest;        /* per vertex: its nudged distance from its owner; 0: uncontested */
+    /* for each vertex, its nudged distance from its owner; 0 if uncontested */
+    double *nearest;
     uint32_t changed;       /* number of owners that differ from members.of */
     uint8_t *mixture;       /* per edge: what is known for the current members */
     uint32_t *first_switch; /* per edge, and one more */
@@ -111,11 +112,11 @@ struct gd__diagram {
 struct gd__loose_end {
     struct gd__local at;
     uint32_t member[2]; /* ascending */
-    /* the third source, which becomes nearer beyond the end; GD_NONE: none */
+    /* the third source, which becomes nearer beyond the end, or GD_NONE if there is none */
     uint32_t third;
     bool is_triple;              /* the third source belongs to a third member */
-    uint32_t bisector_part, end; /* GD_NONE: a node */
-    uint32_t node;               /* GD_NONE: not yet */
+    uint32_t bisector_part, end; /* GD_NONE means a node */
+    uint32_t node;               /* GD_NONE if there is no node yet */
     bool is_matched;             /* matched with another end */
 };
 

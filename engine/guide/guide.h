@@ -14,13 +14,14 @@
 #define GD__LANDMARKS_MOST 16
 
 struct gd__guide_node {
-    /* length of the shortest known path from this vertex to the target; GD__FAR: none */
+    /* length of the shortest known path from this vertex to the target, or GD__FAR if there is
+       none */
     double upper;
     double lower; /* lower bound of the distance to the target; < 0: not computed yet */
-    /* the next vertex of the path of `upper`; GD_NONE: the target is straight ahead */
+    /* the next vertex of the path of `upper`; GD_NONE means that the target is straight ahead */
     uint32_t parent;
-    /* Entry of the parent's fan across whose face the path runs to the parent; GD_NONE: it runs
-     * along an edge. */
+    /* Entry of the parent's fan across whose face the path runs to the parent; GD_NONE means that
+       it runs along an edge. */
     uint32_t across;
     bool closed, touched;
 };
@@ -47,7 +48,8 @@ struct gd__guide {
     uint32_t touched_count, touched_capacity;
     struct gd__guide_entry *heap;
     uint32_t heap_count, heap_capacity;
-    /* GD__LANDMARKS_MOST distances for each vertex, 0 for a missing landmark; NULL: no landmarks */
+    /* GD__LANDMARKS_MOST distances for each vertex, 0 for a missing landmark; NULL means no
+       landmarks */
     const float *landmark;
     struct gd__landmark_bounds from_target, from_start;
     struct gd__rings rings;
@@ -55,9 +57,9 @@ struct gd__guide {
 
 /* Sets the target `to` and finds paths to it in the region between it and `from`. The guide is all
  * zero or was used before. Returns in *upper the length of a path between the two, rounded up. Both
- * points must lie on one component. `control` is borrowed until the guide is cleaned. GD_NO_MEMORY,
- * GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: the vertices that A* visits, some percent of those
- * around the path. */
+ * points must lie on one component. `control` is borrowed until the guide is cleaned. Errors:
+ * GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: the vertices that A* visits, some
+ * percent of those around the path. */
 GD_MUST_USE enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh,
                                          const struct gd_point *from, const struct gd_point *to,
                                          const struct gd_control *control, double *upper);
@@ -95,11 +97,11 @@ double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const stru
 void gd__guide_reset_lower(struct gd__guide *guide);
 
 /* Makes room for one entry behind `count` in one of the guide's arrays, whose pointer is stored at
- * the address `array`. GD_NO_MEMORY, GD_BUDGET. */
+ * the address `array`. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__guide_make_room(const struct gd__guide *guide, void *array,
                                                uint32_t count, uint32_t *capacity, size_t size);
 
-/* Counts a step of work and checks the control at intervals. GD_DEADLINE, GD_CANCELLED. */
+/* Counts a step of work and checks the control at intervals. Errors: GD_DEADLINE, GD_CANCELLED. */
 GD_MUST_USE enum gd_status gd__guide_step(struct gd__guide *guide);
 
 /* Resets the target, the landmarks and the control. Keeps memory for the next search. */
@@ -110,13 +112,13 @@ void gd__guide_destroy(struct gd__guide *guide);
 
 /* Computes rings around the guide's target out to `from`, for a search of paths not longer than
  * `bound`. Does nothing if the existing bounds are good enough. Lower bounds may become larger than
- * those already returned. GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: about 100 ns
- * for each vertex whose straight lines to both ends are within the bound. */
+ * those already returned. Errors: GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: about
+ * 100 ns for each vertex whose straight lines to both ends are within the bound. */
 GD_MUST_USE enum gd_status gd__rings_draw(struct gd__guide *guide, const struct gd_point *from,
                                           double bound);
 
 /* Returns a lower bound, by rings, of the distance from a vertex to the guide's target; it may be
- * negative. GD__FAR: no path within the bound passes the vertex. O(points of a ring). */
+ * negative. GD__FAR means no path within the bound passes the vertex. O(points of a ring). */
 double gd__rings_lower(const struct gd__guide *guide, uint32_t vertex);
 
 /* Discards all rings. */

@@ -38,7 +38,7 @@ struct gd__3mf_use {
 
 struct gd__3mf_object {
     uint32_t part, id;
-    bool is_left_out; /* true: a support structure, or an object of type "other" */
+    bool is_left_out; /* true if a support structure, or an object of type "other" */
     uint32_t first_vertex, vertex_count;
     uint32_t first_triangle, triangle_count;
     uint32_t first_use, use_count; /* its components */
@@ -52,7 +52,7 @@ struct gd__3mf {
     struct gd_read_options limits; /* 0 (no limit given) is already replaced by the default */
     struct gd__zip *zip;
     size_t size;      /* bytes of the package */
-    bool is_counting; /* true: vertices and triangles are counted but not stored */
+    bool is_counting; /* true if vertices and triangles are counted but not stored */
     struct gd__3mf_part *parts;
     uint32_t part_count, part_capacity;
     struct gd__3mf_object *objects;
@@ -69,7 +69,7 @@ struct gd__3mf {
 /* --- 3mf.c ------------------------------------------------------------------------------------ */
 
 /* Returns the number of the part with that name, and adds the part if it is new. Ignores a leading
- * '/'. GD_UNSUPPORTED (too many parts, or too long a name), GD_NO_MEMORY. */
+ * '/'. Errors: GD_UNSUPPORTED (too many parts, or too long a name), GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__3mf_name_part(struct gd__3mf *package, const char *name,
                                              uint32_t *out);
 
@@ -83,8 +83,8 @@ bool gd__3mf_grow(void **array, uint32_t count, uint32_t *capacity, size_t item)
 GD_MUST_USE enum gd_status gd__3mf_find_model(struct gd__3mf *package, char *out);
 
 /* Adds the contents of a model part to the tables. Reads items of the build from part 0 only.
- * GD_SYNTAX, GD_INDEX, GD_NON_FINITE, GD_UNSUPPORTED, GD_TOO_LARGE, GD_NO_MEMORY, GD_CANCELLED,
- * GD_DEADLINE. */
+ * Errors: GD_SYNTAX, GD_INDEX, GD_NON_FINITE, GD_UNSUPPORTED, GD_TOO_LARGE, GD_NO_MEMORY,
+ * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__3mf_read_model(struct gd__3mf *package, uint32_t part);
 
 #endif

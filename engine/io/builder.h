@@ -46,29 +46,29 @@ struct gd__builder gd__builder_begin(const struct gd__scan *scan,
 void gd__builder_free(struct gd__builder *builder);
 
 /* Reserves room for that many vertices and triangles. The caller must have checked that the input
- * is long enough for them. GD_TOO_LARGE, GD_NO_MEMORY. */
+ * is long enough for them. Errors: GD_TOO_LARGE, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_reserve(struct gd__builder *builder, uint64_t positions,
                                                uint64_t polygons);
 
 /* Checks the control if enough input was read since the last check. Readers call it for input that
- * they skip. GD_CANCELLED, GD_DEADLINE. */
+ * they skip. Errors: GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__builder_look(struct gd__builder *builder);
 
 /* Returns a pace for a loop over the elements added so far. */
 struct gd__pace gd__builder_pace(const struct gd__builder *builder);
 
-/* Adds a vertex. Errors name the position `at`. Checks the control at intervals. GD_NON_FINITE,
- * GD_TOO_LARGE, GD_NO_MEMORY. */
+/* Adds a vertex. Errors name the position `at`. Checks the control at intervals. Errors:
+ * GD_NON_FINITE, GD_TOO_LARGE, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_add_position(struct gd__builder *builder,
                                                     const double xyz[3], const char *at);
 
 /* Adds a zero-based corner to the open polygon. gd__builder_finish checks that the vertex exists.
- * Checks the control at intervals. GD_NO_MEMORY. */
+ * Checks the control at intervals. Errors: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_add_corner(struct gd__builder *builder, uint64_t vertex,
                                                   const char *at);
 
-/* As gd__builder_add_corner, for a format that does not distinguish integers from other numbers.
- * GD_SYNTAX (not whole), GD_INDEX (negative), GD_NO_MEMORY. */
+/* Like gd__builder_add_corner, for a format that does not distinguish integers from other numbers.
+ * Errors: GD_SYNTAX (not whole), GD_INDEX (negative), GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_add_index(struct gd__builder *builder, double index,
                                                  const char *at);
 
@@ -87,8 +87,8 @@ GD_MUST_USE enum gd_status gd__builder_close_polygon(struct gd__builder *builder
 enum gd_status gd__builder_no_such_vertex(const struct gd__builder *builder, long long number,
                                           const char *at);
 
-/* Moves the arrays, shrunk to their length, to `out` and empties the builder. GD_EMPTY, GD_INDEX,
- * GD_NO_MEMORY. */
+/* Moves the arrays, shrunk to their length, to `out` and empties the builder. Errors: GD_EMPTY,
+ * GD_INDEX, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_finish(struct gd__builder *builder, struct gd_polygons *out);
 
 #endif

@@ -60,23 +60,23 @@ struct gd__gltf {
     gd__scan_fail(&(gltf)->scan, gd__json_at(&(gltf)->json, (value)), (status), __VA_ARGS__)
 
 /* Reads a member of an object that is a whole number from 0 to `most`; `otherwise` if the member is
- * missing. GD_SYNTAX. */
+ * missing. Errors: GD_SYNTAX. */
 GD_MUST_USE enum gd_status gd__gltf_whole(const struct gd__gltf *gltf, uint32_t object,
                                           const char *name, uint64_t otherwise, uint64_t most,
                                           uint64_t *out);
 
 /* Reads a member of an object that is an index into a list, and returns that item. GD__NO_VALUE if
- * the member is missing. GD_SYNTAX. */
+ * the member is missing. Errors: GD_SYNTAX. */
 GD_MUST_USE enum gd_status gd__gltf_reference(const struct gd__gltf *gltf, uint32_t object,
                                               const char *name, const struct gd__gltf_list *list,
                                               uint32_t *out);
 
-/* Reads the JSON value `value` as an index into a list. GD_SYNTAX. */
+/* Reads the JSON value `value` as an index into a list. Errors: GD_SYNTAX. */
 GD_MUST_USE enum gd_status gd__gltf_index(const struct gd__gltf *gltf, uint32_t value,
                                           const struct gd__gltf_list *list, uint32_t *out);
 
 /* Reads a member of an object that is an array of `count` real numbers. Leaves `out` unchanged if
- * the member is missing. GD_SYNTAX. */
+ * the member is missing. Errors: GD_SYNTAX. */
 GD_MUST_USE enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object,
                                           const char *name, unsigned count, double *out);
 
@@ -88,9 +88,9 @@ struct gd__gltf_accessor {
     uint32_t value;      /* JSON value of the accessor */
     unsigned components; /* components per element */
     uint32_t type;       /* type of a component: 5120 (byte) to 5126 (float) */
-    bool is_normalized;  /* true: whole numbers represent [0, 1] or [-1, 1] */
+    bool is_normalized;  /* true if whole numbers represent [0, 1] or [-1, 1] */
     uint32_t count;      /* number of elements */
-    const char *at;      /* the first element; NULL: all elements are zero */
+    const char *at;      /* the first element; NULL means that all elements are zero */
     size_t stride;
     uint32_t next; /* number of the next element */
     /* number of elements in the sparse list, and index of the next one */
@@ -99,17 +99,18 @@ struct gd__gltf_accessor {
     const char *sparse_indices, *sparse_values;
 };
 
-/* Returns the number of elements of an accessor, at least 1. GD_SYNTAX. */
+/* Returns the number of elements of an accessor, at least 1. Errors: GD_SYNTAX. */
 GD_MUST_USE enum gd_status gd__gltf_accessor_count(const struct gd__gltf *gltf, uint32_t value,
                                                    uint32_t *out);
 
 /* Opens an accessor of vectors ("VEC3": positions) or of whole numbers ("SCALAR": indices). Loads
- * its buffers if necessary. GD_SYNTAX, GD_TRUNCATED (it extends beyond its buffer), GD_UNSUPPORTED
- * (data in another file, compressed data), GD_NO_MEMORY. */
+ * its buffers if necessary. Errors: GD_SYNTAX, GD_TRUNCATED (it extends beyond its buffer),
+ * GD_UNSUPPORTED (data in another file, compressed data), GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__gltf_accessor_open(struct gd__gltf *gltf, uint32_t value,
                                                   bool is_position, struct gd__gltf_accessor *out);
 
-/* Reads the next element, which must exist. GD_SYNTAX (sparse indices that do not increase). */
+/* Reads the next element, which must exist. Errors: GD_SYNTAX (sparse indices that do not
+ * increase). */
 GD_MUST_USE enum gd_status gd__gltf_accessor_next(struct gd__gltf_accessor *accessor,
                                                   double out[3]);
 
@@ -140,7 +141,7 @@ struct gd__gltf_sum {
     uint32_t largest;             /* largest number of vertices of a primitive */
 };
 
-/* Adds the primitives of a mesh to the sums. GD_SYNTAX, GD_UNSUPPORTED, GD_CANCELLED,
+/* Adds the primitives of a mesh to the sums. Errors: GD_SYNTAX, GD_UNSUPPORTED, GD_CANCELLED,
  * GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__gltf_count_mesh(const struct gd__gltf *gltf, uint32_t mesh,
                                                struct gd__gltf_sum *sum);

@@ -107,7 +107,7 @@ void gd__gltf_buffers_free(struct gd__gltf *gltf)
 struct view {
     uint32_t value;
     struct gd__gltf_bytes bytes;
-    size_t stride; /* 0: elements follow each other */
+    size_t stride; /* 0 means that elements follow each other */
 };
 
 static bool is_compressed(const struct gd__gltf *gltf, uint32_t view)
@@ -350,7 +350,7 @@ static double normalized(double value, uint32_t type)
 }
 
 /* Returns the position of the next element, which is in the sparse list or in the accessor's view.
- * NULL: the element is zero. */
+ * NULL means that the element is zero. */
 static enum gd_status find_next(struct gd__gltf_accessor *accessor, const char **out)
 {
     uint32_t place = accessor->next++, sparse = accessor->sparse_next;

@@ -168,7 +168,7 @@ struct run {
     const struct primitive *primitive;
     struct gd__gltf_accessor indices; /* if the primitive has indices */
     const char *at;                   /* position in the document for errors */
-    /* true: the placement mirrors, so faces are reversed (glTF 2.0, 3.7.4) */
+    /* true if the placement mirrors, so faces are reversed (glTF 2.0, 3.7.4) */
     bool is_mirrored;
     /* strip: the last three corners; fan: the first corner and the last two; list: the last
      * three */

@@ -223,8 +223,8 @@ static void triple(struct writing *writing, const char *key, const double values
     text(writing, "]");
 }
 
-/* Writes a view. `stride`: bytes from element to element, required if several accessors share the
- * view; 0: not written. */
+/* Writes a view. `stride` is the number of bytes from element to element, required if several
+ * accessors share the view; 0 if not written. */
 static void describe_view(struct writing *writing, uint64_t size, unsigned stride, unsigned target)
 {
     text(writing, writing->views++ ? ",{\"buffer\":0" : "{\"buffer\":0");

@@ -6,8 +6,8 @@
 #include "gd/result_file.h"
 #include "io/output.h"
 
-/* Write a result. GD_NOT_TRIANGLES, GD_NON_FINITE, GD_TOO_LARGE, GD_INVALID_ARGUMENT (nothing to
- * write). The output reports missing memory. */
+/* Write a result. Errors: GD_NOT_TRIANGLES, GD_NON_FINITE, GD_TOO_LARGE, GD_INVALID_ARGUMENT
+ * (nothing to write). The output reports missing memory. */
 GD_MUST_USE enum gd_status gd__glb_write(struct gd__output *output, const struct gd_result *result);
 GD_MUST_USE enum gd_status gd__gltf_write(struct gd__output *output,
                                           const struct gd_result *result);

@@ -15,7 +15,7 @@ struct parser {
     const char *text; /* beginning of the document */
     const struct gd_control *control;
     const char *next_look;
-    struct gd__json_value *values; /* NULL: values are only counted */
+    struct gd__json_value *values; /* NULL means that values are only counted */
     uint32_t count;
     uint32_t open[GD__JSON_DEPTH]; /* the open containers around the cursor */
     char ends[GD__JSON_DEPTH];     /* the character that closes each of them */

@@ -24,7 +24,7 @@ struct gd__json {
     uint32_t count;
 };
 
-/* Parses the document that runs from the scan's cursor to its end. GD_SYNTAX, GD_TRUNCATED,
+/* Parses the document that runs from the scan's cursor to its end. Errors: GD_SYNTAX, GD_TRUNCATED,
  * GD_UNSUPPORTED (deeper than GD__JSON_DEPTH), GD_TOO_LARGE (4 GiB of text), GD_NO_MEMORY,
  * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__json_parse(const struct gd__scan *scan,
@@ -48,8 +48,8 @@ static inline uint32_t gd__json_next(const struct gd__json *json, uint32_t value
     return json->values[value].next;
 }
 
-/* Returns the value of the object's first member of that name. UINT32_MAX: there is no such member,
- * or `object` is not an object. */
+/* Returns the value of the object's first member of that name. UINT32_MAX means that there is no
+ * such member, or `object` is not an object. */
 uint32_t gd__json_member(const struct gd__json *json, uint32_t object, const char *name);
 
 /* Returns true if the value is a string of that text. */

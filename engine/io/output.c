@@ -39,8 +39,8 @@ static bool grow(struct gd__output *output, size_t size)
     return true;
 }
 
-/* Returns the position for `size` more bytes. NULL: there is no memory, or the control stops the
- * call. */
+/* Returns the position for `size` more bytes. NULL means that there is no memory, or the control
+ * stops the call. */
 static char *room_for(struct gd__output *output, size_t size)
 {
     if (output->failed) return NULL;

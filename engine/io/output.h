@@ -14,7 +14,7 @@ struct gd__output {
     char *bytes;
     /* limit: size up to which writing needs no check of the control; <= capacity */
     size_t size, capacity, limit;
-    const struct gd_control *control; /* NULL: none */
+    const struct gd_control *control; /* NULL means that there is none */
     bool failed;
     enum gd_status status; /* reason of the failure; GD_OK: out of memory */
 };

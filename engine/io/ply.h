@@ -55,7 +55,7 @@ struct gd__ply_header {
 };
 
 /* Reads the header and leaves the cursor at the first byte of the body. Checks that the input is
- * long enough for the counts of the header. GD_SYNTAX, GD_UNSUPPORTED, GD_TRUNCATED. */
+ * long enough for the counts of the header. Errors: GD_SYNTAX, GD_UNSUPPORTED, GD_TRUNCATED. */
 GD_MUST_USE enum gd_status gd__ply_read_header(struct gd__scan *scan, struct gd__builder *builder,
                                                struct gd__ply_header *header);
 

@@ -5,7 +5,7 @@
 
 #include "io/utf16.h"
 
-/* Returns the reader of a format; NULL: there is no such format. */
+/* Returns the reader of a format; NULL means that there is no such format. */
 static enum gd_status (*reader_of(enum gd_format format))(struct gd__scan *, struct gd__builder *)
 {
     switch (format) {

@@ -16,12 +16,14 @@
 struct gd__scan {
     const char *begin, *at, *end;
     struct gd_detail *detail; /* may be NULL */
-    /* true: errors name bytes instead of lines; for binary data, and for JSON, which is often one
+    /* true if errors name bytes instead of lines; for binary data, and for JSON, which is often one
        long line */
     bool by_byte;
-    bool comments;  /* true: '#' begins a comment, which ends at the end of the line */
-    bool continued; /* true: a backslash at the end of a line continues the line on the next one */
-    /* deadline of the reading, as in a gd_control; checked where much input is skipped; 0: none */
+    bool comments; /* true: '#' begins a comment, which ends at the end of the line */
+    /* true if a backslash at the end of a line continues the line on the next one */
+    bool continued;
+    /* deadline of the reading, as in a gd_control; checked where much input is skipped; 0 means
+       none */
     uint64_t deadline_ns;
 };
 
@@ -107,10 +109,10 @@ struct gd__word gd__scan_word(struct gd__scan *scan);
 
 bool gd__word_is(struct gd__word word, const char *text);
 
-/* As gd__word_is, but ignores the case of letters. */
+/* Like gd__word_is, but ignores the case of letters. */
 bool gd__word_resembles(struct gd__word word, const char *text);
 
-/* Skips blanks and parses a decimal number, which may be infinite or NaN. GD_SYNTAX,
+/* Skips blanks and parses a decimal number, which may be infinite or NaN. Errors: GD_SYNTAX,
  * GD_TRUNCATED. */
 GD_MUST_USE enum gd_status gd__scan_number(struct gd__scan *scan, double *out);
 
@@ -118,7 +120,7 @@ GD_MUST_USE enum gd_status gd__scan_number(struct gd__scan *scan, double *out);
 GD_MUST_USE enum gd_status gd__scan_xyz(struct gd__scan *scan, double xyz[3]);
 
 /* Skips blanks and parses a whole number without point and exponent, saturated at +-INT64_MAX.
- * GD_SYNTAX, GD_TRUNCATED. */
+ * Errors: GD_SYNTAX, GD_TRUNCATED. */
 GD_MUST_USE enum gd_status gd__scan_integer(struct gd__scan *scan, int64_t *out);
 
 #endif

@@ -13,7 +13,7 @@ bool gd__is_utf16(const void *bytes, size_t size);
 
 /* Converts the text after the byte order mark. A surrogate without its other half becomes U+FFFD;
  * a single byte at the end is ignored. The caller frees `*out`, which has at most 1.5 * size bytes.
- * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
+ * Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__utf16_decode(const void *bytes, size_t size,
                                             const struct gd_control *control, char **out,
                                             size_t *out_size);

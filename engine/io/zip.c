@@ -13,7 +13,7 @@ struct gd__zip {
     const char *bytes;
     size_t size, at;
     unzFile file;
-    bool is_open;  /* true: a file of the archive is open and readable */
+    bool is_open;  /* true if a file of the archive is open and readable */
     uint64_t left; /* declared bytes of the open file that are not yet read */
     uLong sum, declared_sum;
 };

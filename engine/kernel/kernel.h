@@ -19,7 +19,8 @@ struct gd__apex {
     bool improved;
     double x, y; /* as in struct gd__predecessor */
     uint32_t source;
-    /* out: the last window left of the apex and the first one right of it; GD_NONE: none */
+    /* out: the last window left of the apex and the first one right of it, or GD_NONE if there is
+       none */
     uint32_t last_left, first_right;
 };
 

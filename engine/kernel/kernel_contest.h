@@ -57,8 +57,8 @@ static inline mask is_on_branch(lanes p, lanes q, lanes n, lanes d, lanes span, 
                 ge((p * up + q * size) * sign, least * size));
 }
 
-/* As contest_equal, for unequal sigma: the difference falls at its one root in (lo, hi), or has no
- * root. */
+/* Like contest_equal, for unequal sigma: the difference falls at its one root in (lo, hi), or has
+ * no root. */
 static inline mask contest_unequal(mask may, struct sources c, struct sources o, lanes lo, lanes hi,
                                    lanes *at)
 {

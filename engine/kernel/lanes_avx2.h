@@ -18,7 +18,7 @@ typedef __m256d lanes;
 typedef __m256d mask;
 typedef __m128i ids;
 
-/* Per set of chosen lanes: the order of half lanes (32 bits) that moves them to the front. */
+/* For each set of chosen lanes, the order of half lanes (32 bits) that moves them to the front. */
 #define HALVES(a, b, c, d)                                                                         \
     {                                                                                              \
         2 * a, 2 * a + 1, 2 * b, 2 * b + 1, 2 * c, 2 * c + 1, 2 * d, 2 * d + 1                     \

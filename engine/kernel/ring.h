@@ -38,7 +38,7 @@ struct gd__rings {
     uint32_t count, capacity;
     struct gd__ring_group *group;
     uint32_t group_count, group_capacity;
-    uint32_t *hops; /* per vertex: 1 + hops from the target; 0: not marked */
+    uint32_t *hops; /* for each vertex, 1 + hops from the target; 0 if not marked */
     uint32_t vertices;
     uint32_t *marked; /* vertices, in order of their hops */
     uint32_t marked_count, marked_capacity;

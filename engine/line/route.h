@@ -23,8 +23,8 @@ static inline void gd__route_clear(struct gd__route *route)
     route->length = 0;
 }
 
-/* Appends a point at distance `run` from the last point, unless the two are equal. GD_NO_MEMORY,
- * GD_BUDGET. */
+/* Appends a point at distance `run` from the last point, unless the two are equal. Errors:
+ * GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__route_add(struct gd__route *route, const struct gd_point *point,
                                          double run, const struct gd_control *control);
 
@@ -49,7 +49,7 @@ struct gd_point gd__route_between(const struct gd_mesh *mesh, const struct gd_po
                                   const struct gd_point *b, double part);
 
 /* Inserts the point at the fraction `part`, in [0, 1], of the route's length, and returns its
- * number in *out. In a route of one point, returns the number of that point. GD_NO_MEMORY,
+ * number in *out. In a route of one point, returns the number of that point. Errors: GD_NO_MEMORY,
  * GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__route_split(const struct gd_mesh *mesh, struct gd__route *route,
                                            double part, const struct gd_control *control,

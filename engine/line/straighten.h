@@ -24,7 +24,7 @@ void gd__straightener_free(struct gd__straightener *straightener);
  * of the line is at least pi. Method: find the shortest line in the strip of faces. At each vertex
  * with less than pi on the side outside the strip, move the strip to that side. Repeat until there
  * is no such vertex. A route and its reverse give the same line. Replaces the content of `out`.
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (not a valid route). */
+ * Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (not a valid route). */
 GD_MUST_USE enum gd_status gd__straighten(struct gd__straightener *straightener,
                                           const struct gd__route *route, struct gd__route *out);
 

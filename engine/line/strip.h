@@ -20,8 +20,8 @@ struct gd__strip {
     uint32_t face;              /* the first face, placed in the frame of its side 0 */
     struct gd__portal *portals; /* owned */
     uint32_t count, capacity;
-    /* Determines what happens if the strip crosses its last portal in the opposite direction. True:
-     * a new portal is added. False: the last portal is removed. */
+    /* Determines what happens if the strip crosses its last portal in the opposite direction. True
+       if a new portal is added. False if the last portal is removed. */
     bool keeps_ways_back;
     struct gd__local begin, end; /* the line's ends in the plane */
 };
@@ -29,7 +29,7 @@ struct gd__strip {
 void gd__strip_free(struct gd__strip *strip);
 
 /* Appends a portal. If `side` crosses the last portal in the opposite direction, removes the last
- * portal instead, unless keeps_ways_back is set. GD_NO_MEMORY, GD_BUDGET. */
+ * portal instead, unless keeps_ways_back is set. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side,
                                           const struct gd_control *control);
 
@@ -70,7 +70,8 @@ struct gd__corner {
  * unfolded. */
 uint32_t gd__strip_corners(const struct gd__strip *strip, struct gd__corner *out);
 
-/* Appends the line through the corners to an empty route. GD_NO_MEMORY, GD_BUDGET. O(count). */
+/* Appends the line through the corners to an empty route. Errors: GD_NO_MEMORY, GD_BUDGET.
+ * O(count). */
 GD_MUST_USE enum gd_status gd__strip_line(const struct gd_mesh *mesh, const struct gd__strip *strip,
                                           const struct gd__corner *corners, uint32_t corner_count,
                                           struct gd__route *out, const struct gd_control *control);

@@ -27,7 +27,8 @@ struct gd_bvh {
  * of the caller's own struct. */
 struct gd__bvh_search {
     double limit; /* boxes with a larger bound are skipped; `visit` lowers the limit */
-    /* Returns a lower bound of the keys within the box. INFINITY: the box can be skipped. */
+    /* Returns a lower bound of the keys within the box. INFINITY means that the box can be
+       skipped. */
     double (*bound)(const struct gd__bvh_search *search, const struct gd__box *box);
     void (*visit)(struct gd__bvh_search *search, uint32_t face);
 };
@@ -39,7 +40,7 @@ void gd__bvh_run(const struct gd_mesh *mesh, struct gd__bvh_search *search);
 /* Returns the largest absolute coordinate of the surface, in the normalised unit. */
 double gd__bvh_magnitude(const struct gd_mesh *mesh);
 
-/* Builds the boxes: the last step of gd_mesh_build. GD_NO_MEMORY. */
+/* Builds the boxes: the last step of gd_mesh_build. Errors: GD_NO_MEMORY. */
 enum gd_status gd__make_bvh(struct gd__construction *work);
 
 /* Frees the boxes; NULL is allowed. */

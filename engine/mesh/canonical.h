@@ -14,7 +14,7 @@ struct gd_point gd__point_of_edge(const struct gd_mesh *mesh, uint32_t edge, dou
  * caller passes it because it cannot be computed precisely from a `t` close to 1. */
 struct gd_point gd__point_on_side(const struct gd_mesh *mesh, uint32_t side, double t, double rest);
 
-/* As gd__point_on_side, for a `t` strictly between 0 and 1. */
+/* Like gd__point_on_side, for a `t` strictly between 0 and 1. */
 static inline struct gd_point gd__point_within_side(uint32_t side, double t)
 {
     bool turned = side & 1;

@@ -74,7 +74,7 @@ static double squared_distance(struct gd_vec3 a, struct gd_vec3 b)
 struct nearest {
     double squared;
     struct gd_vec3 position;
-    int side; /* 0 to 2: on that side of the face; -1: inside */
+    int side; /* 0 to 2: on that side of the face; -1 if inside */
 };
 
 static struct nearest nearest_of(const struct corners *c, struct gd_vec3 q,

@@ -27,20 +27,21 @@ struct gd__construction {
     struct gd_mesh *mesh;             /* half-built, owned */
 
     /* Set by weld and repair; NULL and 0 if they change nothing. */
-    /* per input vertex: the vertex into which it was merged, or itself; a union-find forest */
+    /* for each input vertex, the vertex into which it was merged, or itself; a union-find forest */
     uint32_t *representative;
     /* the input's polygons with merged vertices; a removed polygon has no corners */
     struct gd_polygons merged;
-    /* per triangle: its index in the input, ascending; NULL: repair removed no triangle */
+    /* for each triangle, its index in the input, ascending; NULL means that repair removed no
+       triangle */
     uint32_t *face_index;
     uint32_t copy_count; /* number of appended vertices; mesh->copy_of has their originals */
 
     uint32_t (*triangle)[3]; /* mesh->face_count triples of vertex indices */
-    uint32_t (*corner)[3];   /* per face: its vertices; counter-clockwise from gd__orient on */
-    /* per face side 3 f + k, from corner k to k + 1: the matching side of the neighbour; GD_NONE:
-     * none */
+    uint32_t (*corner)[3];   /* for each face, its vertices; counter-clockwise from gd__orient on */
+    /* per face side 3 f + k, from corner k to k + 1: the matching side of the neighbour, or GD_NONE
+       if there is none */
     uint32_t *neighbour;
-    uint32_t *component; /* per face: number of its component */
+    uint32_t *component; /* for each face, number of its component */
     uint32_t component_count;
 
     /* Progress of the build before and after the current step. */
@@ -51,7 +52,7 @@ struct gd__construction {
  * of memory. */
 void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size);
 
-/* As gd__mesh_array, for sides: aligned to cache lines, not zeroed. */
+/* Like gd__mesh_array, for sides: aligned to cache lines, not zeroed. */
 struct gd_side *gd__mesh_sides(struct gd_mesh *mesh, size_t count);
 
 /* Returns GD_BUDGET if building a mesh of that size would exceed the budget. */

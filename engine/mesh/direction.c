@@ -26,7 +26,7 @@ struct ring {
     /* total angle around the point; on every edge 2 pi, although a boundary edge has one sector */
     double total;
     double scale;   /* angle of the public interface, divided by the turned angle */
-    bool is_closed; /* true: the point is interior */
+    bool is_closed; /* true if the point is interior */
 };
 
 /* --- rings ------------------------------------------------------------------------------------ */
@@ -138,7 +138,7 @@ static struct sector sector_at(const struct ring *ring, uint32_t i)
 struct heading {
     struct sector sector;
     double angle; /* angle in the sector, in [0, extent] */
-    /* angle by which the heading was moved into the sector; INFINITY: no direction */
+    /* angle by which the heading was moved into the sector; INFINITY means no direction */
     double outside;
     /* for a heading computed from a vector: squared distance between this vector and the direction,
        both of length 1 */

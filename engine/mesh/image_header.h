@@ -17,8 +17,8 @@ struct gd__image_header {
 struct gd__image_header gd__image_header(const struct gd_mesh *mesh, const char magic[8],
                                          uint32_t version);
 
-/* Checks the header of an image of this mesh. GD_UNRECOGNIZED (another kind, version or byte
- * order), GD_INVALID_ARGUMENT (another mesh). `detail` may be NULL. O(mesh). */
+/* Checks the header of an image of this mesh. Errors: GD_UNRECOGNIZED (another kind, version or
+ * byte order), GD_INVALID_ARGUMENT (another mesh). `detail` may be NULL. O(mesh). */
 GD_MUST_USE enum gd_status gd__image_header_check(const struct gd_mesh *mesh,
                                                   const struct gd__image_header *image_header,
                                                   const char magic[8], uint32_t version,

@@ -54,7 +54,7 @@ static inline int gd__place_of_side(const uint32_t sides[3], uint32_t side)
     return (sides[1] == side) + 2 * (sides[2] == side);
 }
 
-/* As gd__point_weights, for a vertex or a point inside a face. */
+/* Like gd__point_weights, for a vertex or a point inside a face. */
 void gd__point_weights_off_edges(const struct gd_mesh *mesh, const struct gd_point *point,
                                  uint32_t face, double weight[3]);
 

@@ -9,7 +9,7 @@ struct nearest {
     struct gd_vec3 q;
     double slack; /* rounding error of a distance */
     double best;
-    uint32_t face; /* the nearest face so far; GD_NONE: none */
+    uint32_t face; /* the nearest face so far, or GD_NONE if there is none */
 };
 
 static double excess_of(double x, double min, double max)

@@ -13,8 +13,8 @@ struct gd__orientation {
     const uint32_t (*corner)[3];
     const uint32_t *neighbour; /* per side, as in struct gd__construction */
     uint32_t face_count;
-    /* faces at which the search of a component may start, in this order; GD_NONE is skipped; NULL:
-     * all faces in the order of their numbers */
+    /* faces at which the search of a component may start, in this order; GD_NONE is skipped; NULL
+       means all faces in the order of their numbers */
     const uint32_t *seeds;
     uint32_t seed_count;
     /* Called once for each non-orientable component, with a side where the orientation fails. May
@@ -23,7 +23,7 @@ struct gd__orientation {
     void *user;
     struct gd__pace *pace;
 
-    uint8_t *flipped;    /* per face: 1 if it must be flipped */
+    uint8_t *flipped;    /* for each face, 1 if it must be flipped */
     uint32_t *component; /* per face */
     uint32_t component_count, flipped_count;
 };

@@ -20,7 +20,7 @@ struct ray {
     int axis;               /* coordinate in which `direction` is largest */
     double slack;           /* rounding error of a coordinate */
     double best;
-    uint32_t face; /* the first face hit so far; GD_NONE: none */
+    uint32_t face; /* the first face hit so far, or GD_NONE if there is none */
     double weight[3];
 };
 

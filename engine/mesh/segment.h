@@ -7,24 +7,24 @@
 /* Returns true if the point lies in the face or on its border. */
 bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point);
 
-/* Returns a face that contains both points, in which the shortest path between them is straight;
- * GD_NONE: there is none. Walks the fan of a vertex only if both points are vertices. */
+/* Returns a face that contains both points, in which the shortest path between them is straight, or
+ * GD_NONE if there is none. Walks the fan of a vertex only if both points are vertices. */
 uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p,
                          const struct gd_point *q);
 
-/* Returns the edge on which both points may lie; GD_NONE: no edge can contain both. Walks the fan
- * of a vertex if both points are vertices. */
+/* Returns the edge on which both points may lie; GD_NONE means that no edge can contain both. Walks
+ * the fan of a vertex if both points are vertices. */
 uint32_t gd__edge_between(const struct gd_mesh *mesh, const struct gd_point *a,
                           const struct gd_point *b);
 
 /* Location of a segment: along an edge, or across a face. */
 struct gd__segment_location {
-    uint32_t edge; /* GD_NONE: not along an edge */
-    uint32_t face; /* GD_NONE: along an edge */
+    uint32_t edge; /* GD_NONE if not along an edge */
+    uint32_t face; /* GD_NONE means along an edge */
 };
 
-/* Returns the common face of two different edges, from their sides alone; GD_NONE: there is none.
- * Branchless, because the branch is unpredictable. */
+/* Returns the common face of two different edges, from their sides alone, or GD_NONE if there is
+ * none. Branchless, because the branch is unpredictable. */
 static inline uint32_t gd__face_of_edges(const struct gd_mesh *mesh, uint32_t p, uint32_t q)
 {
     const uint32_t *of_p = &mesh->side_face[2 * p], *of_q = &mesh->side_face[2 * q];
@@ -34,7 +34,7 @@ static inline uint32_t gd__face_of_edges(const struct gd_mesh *mesh, uint32_t p,
     return first ? of_p[0] : otherwise;
 }
 
-/* As gd__segment_locate, for a segment that does not join two edges. */
+/* Like gd__segment_locate, for a segment that does not join two edges. */
 bool gd__segment_locate_elsewhere(const struct gd_mesh *mesh, const struct gd_point *a,
                                   const struct gd_point *b, struct gd__segment_location *out);
 

@@ -72,21 +72,22 @@ struct gd_mesh {
     double *total_angle;      /* per vertex */
     uint8_t *vertex_kind;     /* enum gd_vertex_kind */
     uint32_t *vertex_component;
-    uint32_t *fan_first; /* per vertex: its first entry in `fan`; vertex_count + 1 entries */
+    uint32_t *fan_first; /* for each vertex, its first entry in `fan`; vertex_count + 1 entries */
     struct gd_fan *fan;  /* 3 face_count entries */
-    /* per fan entry: the corner behind the edge opposite to the vertex; GD_NONE: a boundary edge */
+    /* for each fan entry, the corner behind the edge opposite to the vertex; GD_NONE at a boundary
+       edge */
     uint32_t *beyond;
 
     struct gd_side *side; /* 2 edge_count entries, 64-byte aligned */
     uint32_t *origin;     /* per side; destination = origin[h ^ 1] */
-    uint32_t *side_face;  /* per side; GD_NONE: boundary */
-    uint32_t *side_fan;   /* per side with a face: its entry in `fan` */
-    /* per face: side k runs from corner k to corner k+1; corner 0 is the input's corner 0 */
+    uint32_t *side_face;  /* per side; GD_NONE at the boundary */
+    uint32_t *side_fan;   /* for each side with a face, its entry in `fan` */
+    /* for each face, side k runs from corner k to corner k+1; corner 0 is the input's corner 0 */
     uint32_t (*face_side)[3];
 
     struct gd_component *component;
     struct gd_boundary *boundary; /* in the unit of the input */
-    uint32_t *boundary_side;      /* per loop: one of its boundary sides */
+    uint32_t *boundary_side;      /* for each loop, one of its boundary sides */
 
     /* numbering */
     /* index_count entries: input index -> vertex, GD_NONE if unreferenced */
@@ -95,13 +96,14 @@ struct gd_mesh {
     /* face_index_count entries: input triangle -> face, GD_NONE if repair removed it */
     uint32_t *face_of_index;
     uint32_t *index_of_face;
-    /* per face: 1 if corners 1 and 2 are swapped relative to the input */
+    /* for each face, 1 if corners 1 and 2 are swapped relative to the input */
     uint8_t *face_flipped;
-    uint32_t *source_polygon;       /* per input triangle; NULL if the input had only triangles */
-    struct gd_vec3 *input_position; /* per input index: the exact position given by the caller */
+    uint32_t *source_polygon; /* per input triangle; NULL if the input had only triangles */
+    /* for each input index, the exact position given by the caller */
+    struct gd_vec3 *input_position;
 
-    struct gd_mesh_repair *repair; /* NULL: without repair and weld */
-    /* per vertex index appended by repair: the input index of its original; NULL: none */
+    struct gd_mesh_repair *repair; /* NULL without repair and weld */
+    /* per vertex index appended by repair: the input index of its original; may be NULL */
     uint32_t *copy_of;
 
     struct gd_bvh *bvh;

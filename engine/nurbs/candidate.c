@@ -207,7 +207,7 @@ struct visit {
     int axis;
     double border;
     uint32_t place; /* index of the polyline's place nearest to the pole */
-    bool exact;     /* true: the place is in the pole */
+    bool exact;     /* true if the place is in the pole */
 };
 
 /* Finds the pole nearest to a polyline. Returns false if none is near. */

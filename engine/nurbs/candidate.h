@@ -13,7 +13,7 @@ struct gd__candidate {
     /* 2 if the path passes through a pole, where the first solution ends and the second begins */
     uint32_t parts;
     bool tip; /* the path ends in a pole that a curve passes */
-    /* True: the path passes through or near a pole, where a coarse curve is much too long. */
+    /* True if the path passes through or near a pole, where a coarse curve is much too long. */
     bool by_pole;
     struct gd__solution part[2];
     /* number of the first candidate of its family of equally long paths; and whether that family

@@ -17,8 +17,8 @@ struct gd__part {
     double length;
     double *factor;                       /* laid out as energy.hessian */
     double *solution[GD__PART_SOLUTIONS]; /* 2 n each */
-    /* per unknown: true if it is fixed in this step, because it belongs to an end or is held on a
-       border */
+    /* for each unknown, true if it is fixed in this step, because it belongs to an end or is held
+       on a border */
     bool *held;
     struct gd__curve_jet end[2]; /* jets of the joints' places */
     /* derivatives of E by the joints' unknowns, if the interior points are fixed */
@@ -26,7 +26,7 @@ struct gd__part {
     /* derivatives of E by the joints' unknowns, if the interior points always minimise E */
     double reduced[2];
     double schur[2][2]; /* second derivatives, if the interior points always minimise E */
-    bool contact;       /* true: some unknown is held on a border */
+    bool contact;       /* true if some unknown is held on a border */
     /* squared speeds of the ends with respect to the joints' unknowns */
     double weight[2];
 };

@@ -16,7 +16,7 @@ struct state {
     struct gd__chain *chain;
     struct gd__part *parts;
     double *diagonal, *beside, *move; /* tridiagonal system of the joints, and its solution */
-    double *least;                    /* per joint: pivots nearer to 0 count as 0 */
+    double *least;                    /* for each joint, pivots nearer to 0 count as 0 */
     double *kept_at;                  /* the joints' unknowns before the step */
     double *kept_points;              /* the control points before the step */
     double *points_move;

@@ -16,13 +16,13 @@ struct gd__newton_report {
     double decrement;
     uint32_t iterations;
     bool converged;
-    /* true: the covariant Hessian at the end is positive definite, so the path is a proven local
+    /* true if the covariant Hessian at the end is positive definite, so the path is a proven local
        minimum */
     bool positive;
-    /* True: the path belongs to a family of equally long paths, because the second derivative of
+    /* True if the path belongs to a family of equally long paths, because the second derivative of
        the length is zero when the ends slide along their curves. */
     bool flat;
-    bool contact;      /* true: control points or joints are held on the domain's border */
+    bool contact;      /* true if control points or joints are held on the domain's border */
     double pull[2][2]; /* derivatives of the length by the first and by the last control point */
 };
 

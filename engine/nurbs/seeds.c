@@ -289,7 +289,7 @@ static uint32_t join_entries(struct crossing *list, uint32_t count)
  * Usually it is a single crossing. */
 struct plateau {
     uint32_t members;
-    bool is_least; /* true: no neighbouring crossing has a smaller sum */
+    bool is_least; /* true if no neighbouring crossing has a smaller sum */
 };
 
 static bool is_level(double a, double b)

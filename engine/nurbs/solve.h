@@ -19,7 +19,7 @@ struct gd__solution {
     double error;
     uint32_t iterations;
     bool converged; /* the tolerance is met */
-    /* true: an end of the path cannot slide further, because it is at a corner or an end of its
+    /* true if an end of the path cannot slide further, because it is at a corner or an end of its
        curve */
     bool corner;
 };

@@ -8,13 +8,15 @@
 #include "nurbs/taut.h"
 
 enum {
-    SPANS_MOST = 1024, /* of the spline along a contact */
+    SPANS_MOST = 1024, /* largest number of spans of the spline along a contact */
     DEGREE = GD_GEODESIC_DEGREE
 };
 
-/* Fraction of the domain's width: a spline along a loop is closer to the loop than this. */
+/* The largest distance between a loop and a spline along the loop, as a fraction of the domain's
+ * width. */
 static const double fit = 1e-10;
-/* Fraction of the length: two paths are the same if lengths and middles differ by less. */
+/* Two paths are the same if their lengths and middles differ by less than this fraction of the
+ * length. */
 static const double same_path = 1e-7;
 /* The length of the mesh's path and of the taut path differ by less than this fraction. */
 static const double mesh_error = 0.1;

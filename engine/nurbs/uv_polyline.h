@@ -8,7 +8,7 @@
 struct gd__uv_polyline {
     uint32_t count, capacity; /* count is at least 2 when the polyline is measured */
     double (*at)[2];
-    double *arc; /* per place: length of the chords in space up to it */
+    double *arc; /* for each place, length of the chords in space up to it */
 };
 
 void gd__uv_polyline_free(struct gd__uv_polyline *polyline);

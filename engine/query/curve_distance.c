@@ -23,7 +23,7 @@ void gd_curve_distance_free(struct gd_curve_distance *distance)
  * point has no segment. */
 struct curve_location {
     uint32_t segment;
-    double t, length; /* length of the segment; 0: the location is the point itself */
+    double t, length; /* length of the segment; 0 means that the location is the point itself */
     struct gd_point point;
 };
 
@@ -121,7 +121,7 @@ struct search {
     const struct gd_curve *b;
     const struct gd_control *control;
     bool greatest; /* true: searches for the greatest distance; false: for the least */
-    double best;   /* normalised unit; GD__FAR: no path */
+    double best;   /* normalised unit; GD__FAR means no path */
     struct curve_location location;
 };
 

@@ -13,8 +13,8 @@ struct gd_landmarks {
     atomic_uint references;
     const struct gd_mesh *mesh;
     uint32_t count;
-    /* GD__LANDMARKS_MOST distances for each vertex, normalised unit, rounded to nearest. 0: there
-     * is no such landmark, or it is on another component. */
+    /* GD__LANDMARKS_MOST distances for each vertex, normalised unit, rounded to nearest. 0 means
+       that there is no such landmark, or it is on another component. */
     float distance[];
 };
 
@@ -77,8 +77,8 @@ size_t gd_landmarks_memsize(const struct gd_landmarks *landmarks)
 struct column {
     struct gd_landmarks *landmarks;
     uint32_t index;
-    double *nearest;  /* per vertex: distance from the nearest landmark so far */
-    double *distance; /* per input index: distance from this landmark, in the caller's unit */
+    double *nearest;  /* for each vertex, distance from the nearest landmark so far */
+    double *distance; /* for each input index, distance from this landmark, in the caller's unit */
 };
 
 static void landmarks_take(struct column *column, uint32_t vertex, double distance)

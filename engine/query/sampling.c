@@ -16,7 +16,7 @@ struct sampler {
     struct gd_detail *detail;
     struct gd_seed *seeds; /* the samples so far */
     double *radii;
-    double *distances; /* per vertex index: distance from the samples */
+    double *distances; /* for each vertex index, distance from the samples */
     uint32_t count;
 };
 

@@ -18,7 +18,7 @@ struct search {
     const struct gd_mesh *mesh;
     struct gd__seed seed;
     struct gd_point target;
-    /* True: the seed is the pair's second point, and the path is traced back to it. */
+    /* True if the seed is the pair's second point, and the path is traced back to it. */
     bool is_turned;
     enum gd_pair_output output;
     struct gd_pair_answer *out;

@@ -10,7 +10,7 @@
 struct gd__pen {
     struct gd__colour colour;
     double opacity, width;
-    double dash; /* length of dashes and of gaps; 0: none */
+    double dash; /* length of dashes and of gaps; 0 means none */
 };
 
 enum gd__anchor { GD__ANCHOR_START, GD__ANCHOR_MIDDLE };
@@ -49,7 +49,7 @@ struct gd__paint {
     struct gd__canvas canvas; /* must be the first member */
     struct gd__image *image;  /* borrowed */
     const struct gd_control *control;
-    uint8_t *coverage; /* per pixel: coverage by the current shape; all 0 between calls */
+    uint8_t *coverage; /* for each pixel, coverage by the current shape; all 0 between calls */
 };
 
 /* Opens a canvas on an image. `control` may be NULL; later, a cancel or a deadline sets the canvas'

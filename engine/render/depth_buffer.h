@@ -10,8 +10,9 @@ struct gd__depth_buffer {
     const struct gd_mesh *mesh;
     const struct gd__screen_point *points; /* per vertex; borrowed */
     uint32_t width, height;
-    float *depth;   /* per pixel: depth of a sample near its middle; INFINITY: background */
-    uint32_t *face; /* per pixel: face of that sample; GD_NONE: background */
+    /* for each pixel, depth of a sample near its middle; INFINITY means background */
+    float *depth;
+    uint32_t *face; /* for each pixel, face of that sample; GD_NONE means background */
 };
 
 /* Opens a buffer, which must be closed even after a failure. Errors: GD_NO_MEMORY, GD_BUDGET. */

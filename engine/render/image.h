@@ -8,7 +8,7 @@
 
 struct gd__image {
     uint32_t width, height;
-    bool is_opaque;      /* true: no pixel is transparent */
+    bool is_opaque;      /* true if no pixel is transparent */
     uint8_t (*pixel)[4]; /* rows from top to bottom */
 };
 

@@ -14,7 +14,7 @@ struct gd__pixel_point {
 /* An all-zero struct is empty. */
 struct gd__lines {
     struct gd__pixel_point *places;
-    uint32_t *ends; /* per line: index of the place after its last one */
+    uint32_t *ends; /* for each line, index of the place after its last one */
     uint32_t place_count, place_capacity, count, capacity;
     enum gd_status status; /* the first failure, after which lines are missing */
 };

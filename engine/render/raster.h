@@ -30,9 +30,9 @@ struct gd__raster {
     /* the faces of band b are faces[first[b]] to faces[first[b + 1] - 1] */
     uint32_t *first, *faces;
     struct gd__budget *budget; /* charged for all memory; may be NULL */
-    /* depths of the last filled band, in rows of width * grid samples; INFINITY: no face */
+    /* depths of the last filled band, in rows of width * grid samples; INFINITY means no face */
     float *depth;
-    uint32_t *face; /* faces of those samples; GD_NONE: no face */
+    uint32_t *face; /* faces of those samples; GD_NONE means no face */
 };
 
 /* Opens a raster and lists the faces of its bands; if the surface is closed, without faces seen

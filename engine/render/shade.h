@@ -15,7 +15,7 @@ struct gd__shade {
     const struct gd__raster *raster;
     const struct gd__camera *camera;
     const struct gd__palette *palette;
-    const struct gd_field *field; /* NULL: none */
+    const struct gd_field *field; /* NULL means that there is none */
     /* largest distance of the scale, in the caller's unit; more than 0 */
     double range;
     bool edges;
@@ -28,7 +28,7 @@ struct gd__shade {
     struct gd_point *points;        /* if there is a field: the fragments' points */
     double *distances;              /* if there is a field: their distances */
     uint32_t fragment_count;
-    /* per pixel of the band: the sum of weighted colours, and the sum of weights */
+    /* for each pixel of the band, the sum of weighted colours, and the sum of weights */
     float (*sum)[4];
 };
 

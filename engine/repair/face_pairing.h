@@ -15,8 +15,8 @@ struct gd__edge_face {
     struct gd_vec3 across; /* vector from the edge into the face, of any length except zero */
     /* output: angle about the edge, counter-clockwise as seen against the edge's direction */
     double angle;
-    /* output: the side of the face to which this face stays joined; GD_NONE: the face gets a
-       border */
+    /* output: the side of the face to which this face stays joined; GD_NONE means that the face
+       gets a border */
     uint32_t partner;
     uint32_t below; /* scratch */
 };

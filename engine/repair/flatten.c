@@ -39,7 +39,7 @@ struct flat_face {
 
 struct flattening {
     struct gd__construction *work;
-    /* per side: the side of the neighbour; GD_NONE if there is not exactly one */
+    /* for each side, the side of the neighbour; GD_NONE if there is not exactly one */
     uint32_t *neighbour;
     struct flat_face *heap; /* top: the face with the longest edge; in a tie the lowest face */
     uint32_t count, capacity;

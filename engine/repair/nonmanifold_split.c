@@ -24,14 +24,15 @@
 struct splitting {
     struct gd__construction *work;
     uint32_t face_count, input_vertices;
-    uint32_t *neighbour; /* per side: the side that it is joined to; GD_NONE: none */
-    /* per face: true if its orientation is opposite to that of most faces around it */
+    /* for each side, the side that it is joined to, or GD_NONE if there is none */
+    uint32_t *neighbour;
+    /* for each face, true if its orientation is opposite to that of most faces around it */
     uint8_t *flipped;
     /* the faces of one edge; as many as the edge with the most faces has */
     struct gd__edge_face *edge_face;
     /* per corner, numbered as the sides are: a lower corner of the same fan, see union_find.h */
     uint32_t *fan;
-    uint32_t *copy_of; /* per copy: the input vertex that it copies */
+    uint32_t *copy_of; /* for each copy, the input vertex that it copies */
     uint32_t copy_count, capacity;
 };
 

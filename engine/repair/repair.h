@@ -15,7 +15,7 @@ void gd__blame_weld(const struct gd__construction *work, const uint32_t *vertice
 
 /* Sets representative[i] for each vertex i that a face uses. It is the lowest-numbered vertex
  * within the tolerance of i among the vertices that represent themselves. Expected linear time for
- * every input. GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
+ * every input. Errors: GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
 enum gd_status gd__weld_vertices(struct gd__construction *work);
 
 /* Sets original[i] to the first polygon with the same set of vertices as polygon i, or to i if
@@ -23,7 +23,7 @@ enum gd_status gd__weld_vertices(struct gd__construction *work);
 enum gd_status gd__find_duplicates(const struct gd_polygons *polygons, struct gd__pace *pace,
                                    uint32_t *original);
 
-/* Removes the triangles whose first corner is GD_NONE. GD_NO_MEMORY. */
+/* Removes the triangles whose first corner is GD_NONE. Errors: GD_NO_MEMORY. */
 enum gd_status gd__compact_triangles(struct gd__construction *work);
 
 /* The steps of gd__repair. */

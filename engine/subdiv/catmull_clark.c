@@ -125,8 +125,8 @@ static struct gd_vec3 catmull_clark_cross(const struct gd__net *net, const struc
     return sum;
 }
 
-/* Per corner of the face: its place in the 4 x 4 grid, and the step outwards across the side that
- * begins at the corner. */
+/* For each corner of the face, its place in the 4 x 4 grid, and the step outwards across the side
+ * that begins at the corner. */
 static const int corner_place[4][2] = {{1, 1}, {2, 1}, {2, 2}, {1, 2}},
                  outwards[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
 

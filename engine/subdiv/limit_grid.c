@@ -150,7 +150,7 @@ uint32_t gd_limit_grid_level(const struct gd_limit_grid *grid)
 
 /* --- edges ------------------------------------------------------------------------------------ */
 
-/* Finds the position of a vertex along side k of a face; -1: it is not on that side. */
+/* Finds the position of a vertex along side k of a face; -1 means that it is not on that side. */
 static int32_t along_side(const struct gd_limit_grid *grid, uint32_t k, const int32_t at[2])
 {
     int32_t cells = (int32_t)grid->cells, i = at[0], j = at[1];

@@ -78,7 +78,8 @@ static void step_along_side(const struct model *m, uint32_t arity, uint32_t k, d
     out[1] = -slope / bend * y;
 }
 
-/* Returns the first side that contains the place and across which the step leads; GD_NONE: none. */
+/* Returns the first side that contains the place and across which the step leads, or GD_NONE if
+ * there is none. */
 static uint32_t blocked_by(uint32_t arity, const struct gd__face_place *local, const double step[2])
 {
     for (uint32_t k = 0; k < arity; k++) {

@@ -17,18 +17,19 @@ struct gd__net {
     uint32_t arity;
     uint32_t point_count, face_count, side_count;
     struct gd_vec3 *points;
-    /* per point: sharpness of its corner tag (gd/control_mesh.h); INFINITY if that is at least
+    /* for each point, sharpness of its corner tag (gd/control_mesh.h); INFINITY if that is at least
        GD_SHARPNESS_INFINITE */
     float *corner;
-    uint32_t *first;  /* face_count + 1 offsets of sides; NULL: all faces have `arity` sides */
-    uint32_t *origin; /* per side: the point where it begins */
-    /* per side: the opposite half-edge; GD_NONE at the boundary and at the border of a
+    /* face_count + 1 offsets of sides; NULL means that all faces have `arity` sides */
+    uint32_t *first;
+    uint32_t *origin; /* for each side, the point where it begins */
+    /* for each side, the opposite half-edge; GD_NONE at the boundary and at the border of a
        neighbourhood */
     uint32_t *twin;
-    uint32_t *edge; /* per side: number of its edge; set and used by gd__net_refine */
-    /* per side: sharpness of its edge, equal on twins; INFINITY at the boundary of the mesh */
+    uint32_t *edge; /* for each side, number of its edge; set and used by gd__net_refine */
+    /* for each side, sharpness of its edge, equal on twins; INFINITY at the boundary of the mesh */
     float *sharpness;
-    uint32_t *face_of; /* per side: its face; only with `first` */
+    uint32_t *face_of; /* for each side, its face; only with `first` */
 };
 
 /* Allocates a net with room for the given numbers of points, faces and sides, and sets its counts

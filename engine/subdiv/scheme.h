@@ -38,7 +38,8 @@ struct gd__scheme {
     uint32_t valence; /* valence of regular vertices */
     bool face_points;
     struct gd__child children[GD__CHILDREN];
-    bool corner_patches; /* true: a sharp corner with only one face is part of a polynomial patch */
+    /* true if a sharp corner with only one face is part of a polynomial patch */
+    bool corner_patches;
 
     /* Returns the child whose domain contains (s,t). Within `slack` of the border between children,
        the direction (ds,dt) decides, if it is not 0. */
@@ -55,7 +56,7 @@ struct gd__scheme {
     struct gd_vec3 (*limit)(const struct gd__net *net, const struct gd__fan *fan);
     struct gd_vec3 (*tangent)(const struct gd__net *net, const struct gd__fan *fan, double angle);
     /* Limit mask of a closed fan around a fixed vertex: the direction of the ring's slowest
-       shrinking component; 0: none. */
+       shrinking component; 0 means none. */
     struct gd_vec3 (*axis)(const struct gd__net *net, const struct gd__fan *fan);
     /* Limit mask at a crease with `faces` faces that begin at spoke `begin`: the tangent into the
        surface, across the crease. */

@@ -29,8 +29,8 @@ static enum gd_status subdivision_split(struct gd_subdivision *surface, struct g
     return status;
 }
 
-/* Per point: its number of edges (at a boundary one more than its faces), and whether it is on the
- * boundary. */
+/* For each point, its number of edges (at a boundary one more than its faces), and whether it is on
+ * the boundary. */
 struct census {
     uint32_t *edges;
     bool *open;

@@ -19,8 +19,8 @@ struct gd_subdivision {
     enum gd_scheme scheme;
     const struct gd__scheme *rules;
     struct gd__net base;
-    /* per control face: its first base face, with one more entry at the end; NULL: base faces are
-       control faces */
+    /* for each control face, its first base face, with one more entry at the end; NULL means that
+       base faces are control faces */
     uint32_t *split_first;
     uint32_t control_faces;
     uint32_t largest_valence; /* largest valence of base vertices, at least the regular one */
@@ -28,7 +28,7 @@ struct gd_subdivision {
     uint32_t base_edges;
     struct gd_subdivision_summary summary;
     struct gd_valence *valences;
-    /* per base face: bounding box of its one-ring, which contains the surface over the face */
+    /* for each base face, bounding box of its one-ring, which contains the surface over the face */
     struct gd__box *boxes;
     double size; /* largest extent of the control points */
 };

@@ -11,7 +11,7 @@
 struct gd__tiling {
     const struct gd_subdivision *surface; /* borrowed */
     uint8_t *face_level, *edge_level;     /* an edge has the level of its finer face */
-    /* per base point: its vertex; GD_NONE: no face uses the point */
+    /* for each base point, its vertex; GD_NONE means that no face uses the point */
     uint32_t *point;
     uint32_t *edge_first, *face_first;
     /* numbers of vertices and of triangles; gd__tiling_number fails beyond 2^32 - 1 */

@@ -107,7 +107,8 @@ enum gd_status gd__tracer_start(struct gd__tracer *tracer, struct gd__walker *wa
     return status;
 }
 
-/* Returns the side of the base face that the path is about to cross; GD_NONE: none. */
+/* Returns the side of the base face that the path is about to cross, or GD_NONE if there is
+ * none. */
 static uint32_t side_ahead(const struct gd__tracer *tracer)
 {
     uint32_t arity = rules_of(tracer)->arity, found = GD_NONE;

@@ -27,7 +27,7 @@ struct gd__stage {
 
 /* A polynomial piece of a base face. */
 struct gd__cell {
-    uint32_t face;          /* GD_NONE: none */
+    uint32_t face;          /* GD_NONE means that there is none */
     struct gd__chart frame; /* maps the piece's coordinates to the base face's */
     /* rounding of the base face's coordinates, in the piece's coordinates */
     double slack;
@@ -41,7 +41,7 @@ struct gd__walker {
     uint32_t stage_count;
     struct gd__fan fan;
     uint32_t stamp;
-    /* per face or point: its new number, valid if its stamp is current */
+    /* for each face or point, its new number, valid if its stamp is current */
     uint32_t *face_stamp, *face_at, *point_stamp, *point_at;
     uint32_t *cut_faces;   /* extracted faces, numbers of the source net */
     struct gd__cell piece; /* the piece of the last query */
@@ -70,7 +70,7 @@ void gd__descend(struct gd__walker *walker, uint32_t from, uint32_t child, uint3
 bool gd__ring_is_regular(const struct gd__net *ring, struct gd__fan *fan);
 
 /* The surface at a vertex, seen from a face: the position, the normal, and unit directions s and t
- * of the face's two edges. NAN: the vector does not exist. */
+ * of the face's two edges. NAN means that the vector does not exist. */
 struct gd__vertex {
     struct gd_vec3 position, normal, s, t;
 };

@@ -146,7 +146,7 @@ struct making {
     struct gd_control control; /* control of each lane */
     /* identifies the caller's thread, the only thread that reports progress */
     const char *location;
-    /* true: a progress report on the caller's thread cancelled the call */
+    /* true if a progress report on the caller's thread cancelled the call */
     bool is_cancelled;
     atomic_uint next;
     atomic_bool has_failed;

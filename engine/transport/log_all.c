@@ -18,7 +18,7 @@ struct map {
     const struct gd_field *field;
     const struct gd_mesh *mesh;
     struct gd_point from;
-    double *ahead; /* per vertex: turn (line/turn.h) at `from`; NAN: unknown */
+    double *ahead; /* for each vertex, turn (line/turn.h) at `from`; NAN if unknown */
 };
 
 /* A walk back from a vertex. `rest` is the remaining distance to the source. */

@@ -26,7 +26,7 @@ struct view {
     double heading; /* the turn of steepest descent */
     double length;  /* length of the next step */
     double turn;    /* turn of the next step */
-    bool is_cut;    /* true: the shortest path to one of the points is not unique */
+    bool is_cut;    /* true if the shortest path to one of the points is not unique */
 };
 
 struct finder {

@@ -11,14 +11,14 @@ enum { CAPACITY = 64 };
 /* A segment, in the frame of its face's side 0. */
 struct segment {
     struct gd__local from, to;
-    uint32_t before; /* the previous segment in the same face; GD_NONE: none */
+    uint32_t before; /* the previous segment in the same face, or GD_NONE if there is none */
 };
 
 struct gd__meetings {
     const struct gd_mesh *mesh;
     const struct gd_control *control;
-    uint32_t *newest; /* per face: its latest segment */
-    bool *is_met;     /* per vertex: visited */
+    uint32_t *newest; /* for each face, its latest segment */
+    bool *is_met;     /* for each vertex, visited */
     struct segment *segments;
     uint32_t count, capacity;
 };

@@ -23,7 +23,7 @@ struct path_search {
     struct gd__point_path *paths;
     const uint32_t *order;
     uint32_t count, lanes;
-    struct gd_workspace *workspaces[LANES_MOST]; /* NULL: each search creates its own */
+    struct gd_workspace *workspaces[LANES_MOST]; /* NULL means that each search creates its own */
     atomic_uint next, done;
     atomic_size_t held;
     atomic_int status; /* the first failure; it stops the other lane too */
@@ -51,7 +51,7 @@ static struct gd_control path_search_control(struct path_search *search,
 {
     struct gd_control own = search->control;
     size_t held = atomic_load(&search->held);
-    /* 0: no limit */
+    /* 0 means no limit */
     if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1;
     if (own.budget_bytes > search->lanes) own.budget_bytes /= search->lanes;
     own.progress = path_search_report;

@@ -10,7 +10,7 @@
 struct gd__point_path {
     uint32_t from, to;   /* numbers of points; if equal, no path is searched */
     struct gd_path path; /* owned; empty until it is found */
-    bool is_cut;         /* true: other paths are equally short */
+    bool is_cut;         /* true if other paths are equally short */
 };
 
 /* Searches `count` paths between the points of the request, the longest first. Each path is one

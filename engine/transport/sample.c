@@ -12,7 +12,7 @@ struct sampling {
     struct gd__route path;
     /* the polyline from the last place to the beginning of the current leaf */
     struct gd__route pending;
-    bool is_at_end; /* true: the polyline so far ends at the last place */
+    bool is_at_end; /* true if the polyline so far ends at the last place */
 };
 
 void gd_spline_line_free(struct gd_spline_line *line)

@@ -11,10 +11,10 @@ struct gd__sampler {
     const struct gd_spline *spline;
     struct gd__straightener straightener;
     double progress, share; /* progress before the walk, and the walk's share of it */
-    /* largest distance of a leaf from its chord; 0: a fraction of the length of the segment's
-     * polygon */
+    /* largest distance of a leaf from its chord; 0 means a fraction of the length of the segment's
+       polygon */
     double height;
-    bool is_whole; /* true: each segment is one leaf */
+    bool is_whole; /* true if each segment is one leaf */
     /* Called for each leaf in order, with its chord. */
     enum gd_status (*visit)(struct gd__sampler *sampler, const struct gd__polygon *leaf,
                             const struct gd__route *chord);

@@ -36,7 +36,8 @@ static enum gd_status angle_between(const struct gd_mesh *mesh, const struct gd_
 /* Returns the geodesic to which the curve is tangent at its end (side 1) or beginning (side 0): the
  * first arm, counted from that end, that is not a single point. If the arm at the end is a single
  * point, the speed there is 0. Halving the curve keeps the control points next to that end on the
- * next arm. So the next arm has the direction of the tangent. NULL: all arms are single points. */
+ * next arm. So the next arm has the direction of the tangent. NULL means that all arms are single
+ * points. */
 static const struct gd_path *tangent_arm(const struct gd_spline_segment *segment, int side)
 {
     for (int k = 0; k < 3; k++) {

@@ -44,8 +44,8 @@ static struct plane plane_of(const struct gd_mesh *mesh, uint32_t vertex, double
 }
 
 /* Intersects the plane with the edge opposite to the vertex in the face of a fan entry. Returns the
- * cosine of the angle between `ahead` and the direction to the intersection (-1: none), and sets
- * *turn to that direction's turn. */
+ * cosine of the angle between `ahead` and the direction to the intersection (-1 if there is none),
+ * and sets *turn to that direction's turn. */
 static double meet_face(const struct gd_mesh *mesh, uint32_t vertex, const struct gd_fan *fan,
                         const struct plane *plane, double *turn)
 {

@@ -32,7 +32,7 @@ struct tracer {
     enum halt halt;
     /* at halts except NONE and BORDER: the turn at the last point back along the line */
     double back;
-    struct gd__meetings *meetings; /* NULL: not requested */
+    struct gd__meetings *meetings; /* NULL if not requested */
     struct gd_direction ahead;     /* direction at the start */
 };
 

@@ -10,7 +10,8 @@
 struct gd__outbox {
     struct gd__vertex_message {
         uint32_t vertex;
-        bool has_emitted; /* true: windows from this vertex with a longer distance already exist */
+        /* true if windows from this vertex with a longer distance already exist */
+        bool has_emitted;
         double distance;
         struct gd__predecessor predecessor;
     } * vertices;
@@ -24,12 +25,13 @@ struct gd__outbox {
 };
 
 struct gd__partition {
-    /* per side: the part of its face, 0 or 1; a boundary side has the part of its other side */
+    /* for each side, the part of its face, 0 or 1; a boundary side has the part of its other
+       side */
     const uint8_t *side_part;
-    /* per vertex: bit 1 << part is set for each part that has one of its faces */
+    /* for each vertex, bit 1 << part is set for each part that has one of its faces */
     const uint8_t *vertex_parts;
     uint8_t part;
-    bool is_common;           /* true: the other wavefront also emits the current windows */
+    bool is_common;           /* true if the other wavefront also emits the current windows */
     struct gd__outbox outbox; /* messages to the other part */
 };
 
@@ -49,7 +51,7 @@ static inline bool gd__partition_shares_vertex(const struct gd__partition *parti
     return partition->vertex_parts[vertex] == 3;
 }
 
-/* Appends a message to the other part. GD_NO_MEMORY. */
+/* Appends a message to the other part. Errors: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__partition_send_vertex(struct gd__partition *partition,
                                                      const struct gd__vertex_message *message);
 GD_MUST_USE enum gd_status gd__partition_send_windows(struct gd__partition *partition,

@@ -16,7 +16,7 @@
 struct gd__side_page {
     struct gd__page page;
     struct gd__list list[GD__PAGE_SIDES];
-    uint32_t newest[GD__PAGE_SIDES / 2]; /* per edge: as workspace->newest */
+    uint32_t newest[GD__PAGE_SIDES / 2]; /* for each edge, as workspace->newest */
 };
 
 struct gd__vertex_page {
@@ -32,14 +32,14 @@ struct gd__paged {
     double *distance; /* Per vertex, GD__FAR at first. A sink may take this array and leave NULL. */
 };
 
-/* Allocates the pages. The struct must be all zero. GD_NO_MEMORY, GD_BUDGET. */
+/* Allocates the pages. The struct must be all zero. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__paged_open(struct gd__paged *paged, const struct gd_mesh *mesh,
                                           struct gd__budget *budget);
 
 /* Frees everything and zeroes the struct. */
 void gd__paged_close(struct gd__paged *paged);
 
-/* Returns the page of a side or of a vertex; NULL: there is none. */
+/* Returns the page of a side or of a vertex, or NULL if there is none. */
 static inline struct gd__side_page *gd__paged_side(const struct gd__paged *paged, uint32_t side)
 {
     return (struct gd__side_page *)paged->sides.page[side / GD__PAGE_SIDES];
@@ -51,7 +51,8 @@ static inline struct gd__vertex_page *gd__paged_vertex(const struct gd__paged *p
     return (struct gd__vertex_page *)paged->vertices.page[vertex / GD__PAGE_VERTICES];
 }
 
-/* Creates the page if there is none, at bucket `now` of the queue. GD_NO_MEMORY, GD_BUDGET. */
+/* Creates the page if there is none, at bucket `now` of the queue. Errors: GD_NO_MEMORY,
+ * GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__paged_need_side(struct gd__paged *paged, uint32_t side,
                                                uint32_t now);
 GD_MUST_USE enum gd_status gd__paged_need_vertex(struct gd__paged *paged,

@@ -58,8 +58,8 @@ void gd__pages_rest(struct gd__pages *pages, struct gd__page *page, uint32_t now
     if (!page->in_line) page_line_up(pages, page, now);
 }
 
-/* Removes from the line a page that has been idle long enough, and returns it; NULL: there is none.
- * Pages that were used since they entered the line are removed too, or enter it again. */
+/* Removes from the line a page that has been idle long enough, and returns it, or NULL if there is
+ * none. Pages that were used since they entered the line are removed too, or enter it again. */
 static struct gd__page *take_rested(struct gd__pages *pages, uint32_t now)
 {
     while (pages->first && pages->first->entered + REST < now) {

@@ -27,7 +27,7 @@ struct gd__page {
 };
 
 struct gd__pages {
-    struct gd__page **page; /* per number: the page, NULL if it does not exist */
+    struct gd__page **page; /* for each number, the page, NULL if it does not exist */
     uint8_t *made;          /* number of times the page was created, saturating */
     uint32_t made_most;     /* a page that was created more often is not reused */
     uint32_t count;
@@ -44,7 +44,7 @@ struct gd__pages {
 
 /* Initialises the struct, which must be all zero, without pages. The budget is charged for each
  * page that is created. A page that was created more than `made_most` times is not reused;
- * UINT8_MAX or more: every page may be reused. GD_NO_MEMORY, GD_BUDGET. */
+ * UINT8_MAX or more: every page may be reused. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__pages_open(struct gd__pages *pages, uint32_t count, size_t size,
                                           uint32_t made_most, struct gd__budget *budget);
 
@@ -52,7 +52,7 @@ GD_MUST_USE enum gd_status gd__pages_open(struct gd__pages *pages, uint32_t coun
 void gd__pages_close(struct gd__pages *pages);
 
 /* Creates a missing page at bucket `now` of the queue. Its records are undefined. Does not move
- * pages whose records wait, or waited a few buckets ago. GD_NO_MEMORY, GD_BUDGET. Amortised
+ * pages whose records wait, or waited a few buckets ago. Errors: GD_NO_MEMORY, GD_BUDGET. Amortised
  * O(1). */
 GD_MUST_USE enum gd_status gd__pages_make(struct gd__pages *pages, uint32_t number, uint32_t now);
 

@@ -17,8 +17,8 @@ enum {
 
 /* A segment with its location on the surface. */
 struct gd__placed_segment {
-    uint32_t seed; /* GD_NONE: not set yet */
-    uint32_t face; /* GD_NONE: along an edge */
+    uint32_t seed; /* GD_NONE if not set yet */
+    uint32_t face; /* GD_NONE means along an edge */
     uint32_t edge;
     double forward;            /* along an edge: 1 in the direction of its side 0, -1 against it */
     struct gd__chord chord[3]; /* across a face: the segment in the frames of the face's sides */
@@ -54,7 +54,7 @@ gd__segment_cache_get(const struct gd__wavefront *front, struct gd__segment_cach
 /* The segments that end at the point of a seed. They are its neighbours in the list of seeds
  * (gd_curve_seeds). */
 struct gd__joint {
-    const struct gd__placed_segment *segment[2]; /* NULL: no such segment */
+    const struct gd__placed_segment *segment[2]; /* NULL means no such segment */
     double turned[2];                            /* 1: the segment starts here, -1: it ends here */
 };
 

@@ -29,7 +29,7 @@ struct gd__queue {
     uint32_t current; /* number of the current bucket; no node waits in a lower one */
     uint64_t size;    /* number of entries, including stale ones */
     double buckets_per_length;
-    bool out_of_memory; /* sticky; true: an entry was lost for lack of memory */
+    bool out_of_memory; /* sticky; true if an entry was lost for lack of memory */
 };
 
 /* Creates an empty queue. Returns NULL if there is no memory. */
@@ -68,7 +68,7 @@ void gd__queue_enter_full(struct gd__queue *queue, struct gd__bucket *bucket, ui
                           uint32_t number, uint32_t *waiting);
 
 /* Enters a node unless it already waits in a bucket at or before its key. *waiting is the bucket in
- * which it waits; GD_NONE: none. Amortised O(1). */
+ * which it waits, or GD_NONE if there is none. Amortised O(1). */
 static inline void gd__queue_push(struct gd__queue *queue, uint32_t node, double key,
                                   uint32_t *waiting)
 {

@@ -120,7 +120,7 @@ static void seed_face(struct gd__wavefront *front, struct gd__segment_cache *cac
 }
 
 /* Emits from a point of an edge across two sides of a face of the edge: the other two sides of the
- * face of `side`. Skips a side that ends in `vertex` (GD_NONE: none). */
+ * face of `side`. Skips a side that ends in `vertex` (GD_NONE if there is none). */
 static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t side, double t,
                            uint32_t vertex, const struct gd__segment_directions *directions)
 {
@@ -284,7 +284,8 @@ static void seed_segment(struct gd__wavefront *front, struct gd__segment_cache *
 
 /* --- all seeds -------------------------------------------------------------------------------- */
 
-/* Returns side 0 of the edge of a seed; GD_NONE: the seed does not lie or begin on an edge. */
+/* Returns side 0 of the edge of a seed; GD_NONE means that the seed does not lie or begin on an
+ * edge. */
 static uint32_t side_of_seed(const struct gd__wavefront *front, uint32_t seed)
 {
     if (seed >= front->seed_count || front->seeds[seed].point.kind != GD_POINT_EDGE) return GD_NONE;

@@ -135,7 +135,8 @@ static void send_windows(struct gd__wavefront *front, uint32_t side,
         front->status = gd__partition_send_windows(front->partition, side, children);
 }
 
-/* Returns the list of a side that will receive windows. NULL: the error is in front->status. */
+/* Returns the list of a side that will receive windows. NULL means that the error is in
+ * front->status. */
 static inline struct gd__list *open_list(struct gd__wavefront *front, uint32_t side)
 {
     if (!front->paged) return &front->lists[side];

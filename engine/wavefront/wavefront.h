@@ -31,7 +31,7 @@ struct gd__seed {
     double offset;
     struct gd_point end;
     bool is_segment;
-    /* Face that a segment crosses; GD_NONE: along an edge. Set when seeds are indexed, before
+    /* Face that a segment crosses; GD_NONE means along an edge. Set when seeds are indexed, before
      * propagation. The value in an image is ignored. */
     uint32_t face;
 };
@@ -40,12 +40,13 @@ struct gd__seed {
  * variants agree up to rounding. A field that fails its check is built again in another variant,
  * where rounding affects other windows (field.c). */
 struct gd__variant {
-    bool no_filter; /* true: windows are not compared with the distances of their edge's ends */
-    /* true: saddle and boundary vertices emit in all directions, not only into their shadow cone */
+    bool no_filter; /* true if windows are not compared with the distances of their edge's ends */
+    /* true if saddle and boundary vertices emit in all directions, not only into their shadow
+       cone */
     bool no_cone;
-    bool no_coalescing; /* true: neighbouring windows of one source are not joined */
+    bool no_coalescing; /* true if neighbouring windows of one source are not joined */
 #ifdef GD_ABLATION      /* tests/bench only */
-    bool one_list;      /* true: windows are also pruned by the wedges of the edge's other side */
+    bool one_list;      /* true if windows are also pruned by the wedges of the edge's other side */
 #endif
 };
 
@@ -68,16 +69,16 @@ struct gd__propagation {
     /* State to continue, with one wavefront only; `radius` exceeds the bound of this state. NULL:
      * start from the seeds. */
     const struct gd__partial_state *partial;
-    double radius;                 /* normalised unit; GD__FAR: no limit */
-    const struct gd_point *target; /* NULL: no target */
-    /* Bounds for one target. With a guide only the target's distance and path are final. NULL:
-     * none. */
+    double radius;                 /* normalised unit; GD__FAR means no limit */
+    const struct gd_point *target; /* NULL means no target */
+    /* Bounds for one target. With a guide only the target's distance and path are final. NULL means
+       that there is none. */
     struct gd__guide *guide;
     /* Computes distances only, in little memory: the sink reads front->distance. Wedges are stored
      * for gd__prune_by_stored only. Requires one wavefront, no guide and no `partial`. */
     bool without_wedges;
-    /* Limit on windows; 0: the default limit of the mesh, far above the windows of any real
-     * mesh. */
+    /* Limit on windows; 0 means the default limit of the mesh, far above the windows of any real
+       mesh. */
     uint64_t work_limit;
     struct gd__variant variant;
 };
@@ -98,7 +99,7 @@ struct gd__wavefront {
     const struct gd__kernel *kernel;
 
     struct gd_workspace *work;
-    /* Paged records, if wedges are not kept. NULL: the arrays below are used. */
+    /* Paged records, if wedges are not kept. NULL means that the arrays below are used. */
     struct gd__paged *paged;
     struct gd__list *lists; /* the workspace's arrays, described in workspace.h */
     double *distance, *emitted;
@@ -117,14 +118,14 @@ struct gd__wavefront {
     /* Windows and distances beyond this bound are not needed. It shrinks with the target's
      * distance. */
     double bound;
-    /* During gd__resume: windows that are surely within this distance are not needed again. 0: all
-     * are needed. */
+    /* During gd__resume: windows that are surely within this distance are not needed again. 0 means
+       that all are needed. */
     double inner;
-    bool takes_all;            /* true: lists accept windows at any distance */
+    bool takes_all;            /* true if lists accept windows at any distance */
     uint32_t target_corner[4]; /* vertices of the target's faces, padded by GD_NONE */
     double target_leg[4];      /* distances of these vertices from the target within the face */
 
-    struct gd__partition *partition; /* the wavefront's part of the surface; NULL: all of it */
+    struct gd__partition *partition; /* the wavefront's part of the surface; NULL means all of it */
 
     const struct gd_control *monitor;
     enum gd_status status;  /* the first failure; not overwritten by later ones */
@@ -201,7 +202,7 @@ static inline struct gd__predecessor *gd__wavefront_predecessor(const struct gd_
                : &front->predecessor[vertex];
 }
 
-/* Returns where the chunks of the vertex' present distance begin; 0: unknown. */
+/* Returns where the chunks of the vertex' present distance begin; 0 if unknown. */
 static inline uint32_t gd__wavefront_valid_from(const struct gd__wavefront *front, uint32_t vertex)
 {
     if (!front->paged) return front->work->valid_from[vertex];
@@ -263,7 +264,7 @@ static inline void gd__wavefront_note_windows(struct gd__wavefront *front, struc
     list->touched = true;
 }
 
-/* As gd__wavefront_offer, for a list that is not empty, or if not every window is accepted. */
+/* Like gd__wavefront_offer, for a list that is not empty, or if not every window is accepted. */
 void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
                                    const struct gd__window *window);
 
@@ -326,7 +327,7 @@ void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chun
 enum gd__prune_by { GD__PRUNE_BY_OWN = 1, GD__PRUNE_BY_OTHER = 2 };
 
 /* prune.c: removes the parts of windows where a stored wedge is better. *count is the number of
- * windows before and after. Afterwards *windows may point into scratch. GD_NO_MEMORY. */
+ * windows before and after. Afterwards *windows may point into scratch. Errors: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__prune_by_stored(struct gd__wavefront *front, uint32_t side,
                                                enum gd__prune_by by, struct gd__windows *windows,
                                                uint32_t *count);

@@ -18,16 +18,18 @@ struct gd_workspace {
     /* Clean values of the arrays: empty lists; GD__FAR; 0; GD_NONE. A propagation may take
      * distance, predecessor and newest, all three together. They are NULL then. */
     struct gd__list *lists; /* per side */
-    double *emitted;        /* per vertex: the distance with which it last emitted */
-    /* per vertex: where the chunks of its present distance begin in `wedges`, in GD__CHUNK_UNITs */
+    double *emitted;        /* for each vertex, the distance with which it last emitted */
+    /* for each vertex, where the chunks of its present distance begin in `wedges`, in
+       GD__CHUNK_UNITs */
     uint32_t *valid_from;
-    /* per vertex: bucket of the queue in which it waits; GD_NONE: none */
+    /* for each vertex, bucket of the queue in which it waits, or GD_NONE if there is none */
     uint32_t *waiting;
     double *distance;                    /* per vertex */
     struct gd__predecessor *predecessor; /* per vertex */
     /* sizes of distance, predecessor and newest, which fit the last mesh exactly */
     uint32_t result_edges, result_vertices;
-    /* per edge: its newest chunk of wedges, in GD__CHUNK_UNITs of `wedges`; GD_NONE: none */
+    /* for each edge, its newest chunk of wedges, in GD__CHUNK_UNITs of `wedges`, or GD_NONE if
+       there is none */
     uint32_t *newest;
 
     /* Numbers of nodes that are not clean. A node is a side or a vertex; vertices are numbered
@@ -50,8 +52,8 @@ struct gd_workspace {
     struct gd__pool pool;
     struct gd__children left, right;
     struct gd__scratch scratch;
-    /* workspace of the second wavefront of a field on two threads (partition/); NULL: not created
-     * yet */
+    /* workspace of the second wavefront of a field on two threads (partition/); NULL if not created
+       yet */
     struct gd_workspace *partner;
 };
 
@@ -62,12 +64,12 @@ struct gd_workspace *gd__workspace_partner(struct gd_workspace *workspace);
 size_t gd__workspace_need(const struct gd_mesh *mesh);
 
 /* Makes room for the mesh. Afterwards all arrays exist and are clean, and the queue is empty with
- * buckets of that width. GD_NO_MEMORY, GD_BUDGET. */
+ * buckets of that width. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__workspace_open(struct gd_workspace *workspace,
                                               const struct gd_mesh *mesh, double bucket_width,
                                               const struct gd_control *control);
 
-/* As gd__workspace_open, for a propagation that computes distances only: opens `paged` and leaves
+/* Like gd__workspace_open, for a propagation that computes distances only: opens `paged` and leaves
  * the arrays unchanged. */
 GD_MUST_USE enum gd_status gd__workspace_open_paged(struct gd_workspace *workspace,
                                                     const struct gd_mesh *mesh, double bucket_width,

@@ -10,7 +10,7 @@
 struct gd__scratch {
     struct gd__stack stack[3];
     struct gd__window_builder tail;
-    bool apart; /* true: windows of one source are not joined (struct gd__variant) */
+    bool apart; /* true if windows of one source are not joined (struct gd__variant) */
 };
 
 void gd__scratch_destroy(struct gd__scratch *scratch);
@@ -25,7 +25,7 @@ static inline struct gd__windows gd__block_windows(void *block, uint32_t size_cl
 }
 
 /* Replaces a block by one with room for `windows` windows. Copies the first `kept` windows and
- * releases the old block (NULL: none). GD_NO_MEMORY, GD_BUDGET. */
+ * releases the old block (may be NULL). Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__block_enlarge(void **block, uint8_t *size_class,
                                              struct gd__pool *pool, uint32_t windows,
                                              uint32_t kept);
@@ -33,7 +33,7 @@ GD_MUST_USE enum gd_status gd__block_enlarge(void **block, uint8_t *size_class,
 /* Windows before `tangled` are sorted and disjoint. Later windows may overlap in any way until
  * gd__children_sort. A struct that is all zero is empty. */
 struct gd__children {
-    void *block; /* NULL: no block */
+    void *block; /* NULL means no block */
     struct gd__windows at;
     uint32_t count;
     /* First and last unsorted window; GD_NONE and 0 if all are sorted. */
@@ -41,7 +41,7 @@ struct gd__children {
     uint8_t size_class;
 };
 
-/* Makes room for `count` windows and one group behind them. Keeps the first `kept` windows.
+/* Makes room for `count` windows and one group behind them. Keeps the first `kept` windows. Errors:
  * GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__children_grow(struct gd__children *children, struct gd__pool *pool,
                                              uint32_t count, uint32_t kept);
@@ -67,7 +67,7 @@ static inline void gd__children_close(struct gd__children *children, struct gd__
 }
 
 /* Sorts the windows and makes them disjoint by pushing the windows from `tangled` on one by one.
- * GD_NO_MEMORY, GD_BUDGET. O(n), except for rare windows that belong far back. */
+ * Errors: GD_NO_MEMORY, GD_BUDGET. O(n), except for rare windows that belong far back. */
 GD_MUST_USE enum gd_status gd__children_sort(struct gd__children *children, struct gd__pool *pool,
                                              double min_width, struct gd__scratch *scratch);
 

@@ -7,8 +7,8 @@
 struct seam {
     const struct gd__windows *before, *behind;
     uint32_t last, first;
-    uint32_t before_left, behind_left; /* number of windows left; 0: all are dropped */
-    /* true: the newer windows are those before the seam; the older windows win ties */
+    uint32_t before_left, behind_left; /* number of windows left; 0 means that all are dropped */
+    /* true if the newer windows are those before the seam; the older windows win ties */
     bool newer_is_before;
 };
 

@@ -5,13 +5,14 @@
 #include "window/children.h"
 
 struct gd__list {
-    void *block; /* NULL: empty */
+    void *block; /* NULL if empty */
     uint32_t count;
-    uint32_t bucket;         /* the queue's bucket in which the side waits; GD_NONE: none */
+    /* the queue's bucket in which the side waits, or GD_NONE if there is none */
+    uint32_t bucket;
     uint32_t distance_drops; /* wavefront->distance_drops when the oldest window was inserted */
     uint16_t visits;         /* number of propagations of the list, saturating */
     uint8_t size_class;
-    bool touched; /* true: the workspace has recorded that this list must be cleaned */
+    bool touched; /* true if the workspace has recorded that this list must be cleaned */
 };
 
 static inline uint32_t gd__list_capacity(const struct gd__list *list)
@@ -25,13 +26,13 @@ static inline struct gd__windows gd__list_windows(const struct gd__list *list)
 }
 
 /* Inserts sorted windows, at least one, into a list that is not empty. Takes ownership of their
- * block: the list uses the block or releases it. The list's windows win ties. Only windows
- * that overlap compete. GD_NO_MEMORY, GD_BUDGET. */
+ * block: the list uses the block or releases it. The list's windows win ties. Only windows that
+ * overlap compete. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool,
                                         struct gd__children *newer, double min_width,
                                         struct gd__scratch *scratch);
 
-/* As gd__list_add, for any list. An empty list takes over the block of the windows. */
+/* Like gd__list_add, for any list. An empty list takes over the block of the windows. */
 GD_MUST_USE static inline enum gd_status
 gd__list_insert(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer,
                 double min_width, struct gd__scratch *scratch)
@@ -44,12 +45,12 @@ gd__list_insert(struct gd__list *list, struct gd__pool *pool, struct gd__childre
     return GD_OK;
 }
 
-/* As gd__list_add, for one window. A short list is changed in its own block. */
+/* Like gd__list_add, for one window. A short list is changed in its own block. */
 GD_MUST_USE enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool,
                                             const struct gd__window *window, double min_width,
                                             struct gd__scratch *scratch);
 
-/* Puts a window into an empty list. GD_NO_MEMORY, GD_BUDGET. */
+/* Puts a window into an empty list. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE static inline enum gd_status
 gd__list_begin(struct gd__list *list, struct gd__pool *pool, const struct gd__window *window)
 {

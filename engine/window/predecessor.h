@@ -13,9 +13,9 @@
  * its direction: if the vertex lies almost on the side, the crossing would not determine it. */
 struct gd__predecessor {
     double x, y;
-    uint32_t side; /* GD_NONE: the leg runs along an edge */
-    /* The pseudo-source where the leg starts. GD_NONE: the path bends at (x, 0) of the side, and
-     * the wedges of the edge define the rest of the path. */
+    uint32_t side; /* GD_NONE means that the leg runs along an edge */
+    /* The pseudo-source where the leg starts. GD_NONE means the path bends at (x, 0) of the side,
+       and the wedges of the edge define the rest of the path. */
     uint32_t source;
 };
 

@@ -197,7 +197,7 @@ static enum push contest_last(struct gd__stack *list, struct gd__window *w, doub
     return PUSH_REST;
 }
 
-/* As gd__stack_push, but overwrites the window. The window is modified in place: a copy of memory
+/* Like gd__stack_push, but overwrites the window. The window is modified in place: a copy of memory
  * just written would stall the load. */
 static enum gd_status stack_push(struct gd__stack *list, struct gd__window *w, double min_width,
                                  struct gd__stack *scratch)

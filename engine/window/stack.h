@@ -50,7 +50,7 @@ void gd__merge(const struct gd__window *existing, uint32_t existing_count,
 
 /* Pushes a window that belongs at or near the end of the list: joins it to the last window if both
  * have the same source, and contests the overlap otherwise. Amortised O(1). `scratch` is used if
- * the window belongs farther back. GD_NO_MEMORY. */
+ * the window belongs farther back. Errors: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__stack_push(struct gd__stack *list, const struct gd__window *window,
                                           double min_width, struct gd__stack *scratch);
 

@@ -50,11 +50,11 @@ struct gd__window gd__wedge_window(const struct gd__wedges *wedges, uint32_t i, 
 
 /* A writer of wedges. Without arrays it only counts the wedges. */
 struct writer {
-    const struct gd__wedges *to; /* NULL: only counts */
+    const struct gd__wedges *to; /* NULL means only counts */
     uint32_t count;
     double length, units; /* units: number of start units per length */
     double end;           /* end of the last window */
-    bool linear;          /* true: the last window was linear */
+    bool linear;          /* true if the last window was linear */
 };
 
 /* Rounds down to a whole number. A negative number is zero up to rounding. */

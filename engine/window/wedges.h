@@ -172,8 +172,8 @@ static inline size_t gd__chunk_bound(uint32_t count)
 }
 
 /* Writes sorted windows of a side to a chunk, as wedges with gaps between them. Uses the chunk's
- * form, or WIDE if a window needs it. Sets the count and the side. `mirrored`: the windows belong
- * to side 1. This is the general form of gd__kernel.store. */
+ * form, or WIDE if a window needs it. Sets the count and the side. `mirrored` is true if the
+ * windows belong to side 1. This is the general form of gd__kernel.store. */
 void gd__chunk_write(const struct gd__windows *windows, uint32_t count, double length,
                      bool mirrored, struct gd__chunk *out);
 

@@ -93,7 +93,7 @@ struct gd__window_builder {
     void *block;
 };
 
-/* Makes room for that many windows. Keeps the content. GD_NO_MEMORY. */
+/* Makes room for that many windows. Keeps the content. Errors: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__window_builder_reserve(struct gd__window_builder *builder,
                                                       uint32_t count);
 void gd__window_builder_destroy(struct gd__window_builder *builder);

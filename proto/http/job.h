@@ -36,7 +36,7 @@ struct proto_job_header {
 /* The operation's answer. */
 struct proto_job_answer {
     unsigned status;
-    const char *media_type; /* NULL: no body */
+    const char *media_type; /* NULL means no body */
     const char *body;
     size_t size;
     const struct proto_job_header *headers;
@@ -49,7 +49,7 @@ struct proto_job {
     enum proto_job_state state;
     double progress;                       /* [0,1] */
     int64_t created;                       /* seconds since 1970-01-01T00:00:00Z */
-    const struct proto_job_answer *answer; /* NULL: there is no answer, or not yet */
+    const struct proto_job_answer *answer; /* NULL means that there is no answer, or not yet */
 };
 
 /* Detail of a job's description: BRIEF omits the body of its answer; EVENT includes the body of a

@@ -21,8 +21,8 @@ struct proto_parameters {
 /* Returns the value of the first parameter of that name, or NULL. */
 const char *proto_parameters_get(const struct proto_parameters *parameters, const char *name);
 
-/* Checks that each parameter's name is in `allowed` (NULL-terminated, at most 32; NULL: no name is
- * allowed) and occurs once. Otherwise fails with invalid_request at the parameter. */
+/* Checks that each parameter's name is in `allowed` (NULL-terminated, at most 32; NULL means that
+ * no name is allowed) and occurs once. Otherwise fails with invalid_request at the parameter. */
 bool proto_parameters_check(const struct proto_parameters *parameters, const char *const *allowed,
                             struct proto_problem *problem);
 
@@ -56,7 +56,7 @@ struct proto_options {
     uint32_t fields; /* bit i: the i-th field of the answer is wanted; all of them by default */
     const char *const *names; /* names of the fields */
     enum proto_geometry geometry;
-    uint64_t timeout_ms; /* 0: not given; the configured maximum is not applied yet */
+    uint64_t timeout_ms; /* 0 if not given; the configured maximum is not applied yet */
 };
 
 struct proto_writer;
@@ -81,9 +81,9 @@ uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members);
  * fields. */
 struct proto_options proto_options_within(const struct proto_options *options, uint32_t whole);
 
-/* Reads the options that all queries share: select, geometry and timeout_ms. `allowed`: names of
- * the operation's parameters. `fields`: names of the answer's top-level fields; NULL: no
- * projection. Both are NULL-terminated, with at most 32 names. Fails with invalid_request at the
+/* Reads the options that all queries share: select, geometry and timeout_ms. `allowed` are the
+ * names of the operation's parameters. `fields`: names of the answer's top-level fields; NULL means
+ * no projection. Both are NULL-terminated, with at most 32 names. Fails with invalid_request at the
  * parameter. */
 bool proto_options_parse(const struct proto_parameters *parameters, const char *const *fields,
                          const char *const *allowed, struct proto_options *out,

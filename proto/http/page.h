@@ -15,9 +15,10 @@
 
 struct proto_page {
     uint32_t limit; /* 1 to PROTO_PAGE_MOST */
-    /* the page starts after this item; NULL: from the first. Lives as long as the query string */
+    /* the page starts after this item; NULL means from the first. Lives as long as the query
+       string */
     const char *after;
-    /* prefix of the names of all items; NULL: any name. Lives as long as the query string */
+    /* prefix of the names of all items; NULL means any name. Lives as long as the query string */
     const char *prefix;
 };
 
@@ -25,18 +26,18 @@ struct proto_page {
 bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out,
                       struct proto_problem *problem);
 
-/* As proto_page_parse, for a list of names, which also accepts `prefix`. */
+/* Like proto_page_parse, for a list of names, which also accepts `prefix`. */
 bool proto_page_parse_names(const struct proto_parameters *parameters, struct proto_page *out,
                             struct proto_problem *problem);
 
-/* Reads the cursor `after` of a numbered list; -1: there is none. Problem: invalid_request. */
+/* Reads the cursor `after` of a numbered list, or -1 if there is none. Problem: invalid_request. */
 bool proto_page_number(const struct proto_page *page, int64_t *out, struct proto_problem *problem);
 
 /* Writes the cursor of a numbered list into `text` and returns it. */
 const char *proto_page_write_number(int64_t number, char text[PROTO_PAGE_NUMBER]);
 
 /* Begin and end a page; the caller writes the items in between. `name` is the list's name
- * ("meshes"). `next` is the cursor of the next page; NULL: this page is the last. */
+ * ("meshes"). `next` is the cursor of the next page; NULL means that this page is the last. */
 void proto_page_begin(struct proto_writer *writer, const char *name);
 void proto_page_end(struct proto_writer *writer, const char *next);
 

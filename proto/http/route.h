@@ -43,22 +43,24 @@ struct proto_deprecation {
 struct proto_route {
     enum proto_method method;
     enum proto_access access;
-    bool has_body;         /* true: the operation accepts a request body */
-    bool is_async;         /* true: the operation accepts the header Prefer: respond-async */
+    bool has_body;         /* true if the operation accepts a request body */
+    bool is_async;         /* true if the operation accepts the header Prefer: respond-async */
     const char *operation; /* operationId */
     const char *path;      /* template, "/v1/meshes/{name}": a label for logs and metrics */
-    /* the query's name ("distance"), listed among the capabilities; NULL: not a query */
+    /* the query's name ("distance"), listed among the capabilities; NULL if not a query */
     const char *query;
-    const char *const *fields;     /* fields of the query's answer; NULL: no projection */
-    const char *const *parameters; /* parameters of the query string; NULL: none */
-    bool has_lines;                /* true: the answer has lines, whose points `geometry` selects */
-    uint32_t segment_count;        /* "/" has none */
-    const char *segments[PROTO_ROUTE_SEGMENTS]; /* literal text; NULL: the segment is captured */
+    const char *const *fields;     /* fields of the query's answer; NULL means no projection */
+    const char *const *parameters; /* parameters of the query string; may be NULL */
+    /* true if the answer has lines, whose points `geometry` selects */
+    bool has_lines;
+    uint32_t segment_count; /* "/" has none */
+    /* literal text; NULL means that the segment is captured */
+    const char *segments[PROTO_ROUTE_SEGMENTS];
     void (*handle)(struct server_exchange *exchange);
     const struct server_query_kind *kind; /* NULL unless it is a query about a mesh */
-    /* deprecation of this path; NULL: the path is current */
+    /* deprecation of this path; NULL means that the path is current */
     const struct proto_deprecation *deprecation;
-    const struct proto_deprecation *deprecated_parameters; /* ends with name NULL; NULL: none */
+    const struct proto_deprecation *deprecated_parameters; /* ends with name NULL; may be NULL */
     /* path of the page about the current operation; NULL unless the path or a parameter is
      * deprecated */
     const char *documentation;

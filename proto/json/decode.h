@@ -24,7 +24,7 @@
 struct proto_parse_end {
     /* GD_NO_MEMORY, GD_DEADLINE or GD_CANCELLED; GD_OK: the text is invalid */
     enum gd_status status;
-    size_t deep_at;     /* 1 + offset of the bracket that nests too deeply; 0: there is none */
+    size_t deep_at;     /* 1 + offset of the bracket that nests too deeply; 0 means none */
     json_error_t error; /* any other error */
 };
 
@@ -36,7 +36,7 @@ json_t *proto_parse(const char *text, size_t size, const struct gd_control *cont
 /* --- checked documents --- */
 
 /* Returns an upper bound of the memory of the document parsed from this text: up to a hundred times
- * the size of the text. O(size). Stops early if `control` (NULL: none) ends the work, because
+ * the size of the text. O(size). Stops early if `control` (may be NULL) ends the work, because
  * parsing then stops, too. */
 size_t proto_decode_cost(const void *bytes, size_t size, const struct gd_control *control);
 
@@ -46,7 +46,7 @@ size_t proto_decode_cost(const void *bytes, size_t size, const struct gd_control
  * there are several), column and byte. Memory: about 60 bytes a number. */
 json_t *proto_decode_document(const void *bytes, size_t size, struct proto_problem *problem);
 
-/* As proto_decode_document, with a deadline and cancellation. */
+/* Like proto_decode_document, with a deadline and cancellation. */
 json_t *proto_decode_document_within(const void *bytes, size_t size,
                                      const struct gd_control *control,
                                      struct proto_problem *problem);

@@ -11,7 +11,7 @@
 /* A block allocated by jansson. The list has the blocks that this thread's running parser has
  * allocated and not freed. */
 struct block {
-    /* NULL: the first block. Blocks outside the list use neither of the two pointers */
+    /* NULL means the first block. Blocks outside the list use neither of the two pointers */
     _Alignas(max_align_t) struct block *previous;
     struct block *next;
 };

@@ -63,7 +63,7 @@ struct proto_problem {
     bool has_pointer; /* the place is a pointer; the pointer "" is the whole body */
     char pointer[PROTO_PROBLEM_POINTER];
     char parameter[PROTO_PROBLEM_PARAMETER]; /* empty: none */
-    /* static string, such as a gd_status_name; NULL: none */
+    /* static string, such as a gd_status_name; may be NULL */
     const char *reason;
     bool has_limit;
     uint64_t limit; /* the configured maximum that was exceeded */
@@ -73,9 +73,9 @@ struct proto_problem {
     uint64_t elements[GD_DETAIL_ELEMENTS][2]; /* only edges use [1] */
     /* value of the Allow header; empty: none. Not in the body */
     char allow[PROTO_PROBLEM_ALLOW];
-    /* seconds, for the Retry-After header; 0: none. Not in the body */
+    /* seconds, for the Retry-After header; 0 means none. Not in the body */
     unsigned retry_after;
-    /* static value of the WWW-Authenticate header; NULL: none. Not in the body */
+    /* static value of the WWW-Authenticate header; may be NULL. Not in the body */
     const char *challenge;
 };
 
@@ -84,16 +84,16 @@ struct proto_problem {
 bool proto_problem_set(struct proto_problem *problem, enum proto_problem_code code,
                        const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* As proto_problem_set with INVALID_REQUEST, at a place (copied; see above). Returns false. */
+/* Like proto_problem_set with INVALID_REQUEST, at a place (copied; see above). Returns false. */
 bool proto_problem_refuse(struct proto_problem *problem, const char *place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* As proto_problem_refuse, at a member of the object at `place`. */
+/* Like proto_problem_refuse, at a member of the object at `place`. */
 bool proto_problem_refuse_member(struct proto_problem *problem, const char *place,
                                  const char *member, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* As proto_problem_set with TOO_LARGE, the exceeded maximum and a place (NULL: none). Returns
+/* Like proto_problem_set with TOO_LARGE, the exceeded maximum and a place (may be NULL). Returns
  * false. */
 bool proto_problem_exceed(struct proto_problem *problem, const char *place, uint64_t limit,
                           const char *format, ...) __attribute__((format(printf, 4, 5)));

@@ -57,12 +57,13 @@ struct proto_writer {
     size_t size;     /* bytes of the text */
     size_t capacity; /* <= maximum */
     size_t maximum;  /* limit of size + flushed */
-    const struct proto_writer_account *account; /* borrowed; NULL: memory is not counted */
+    /* borrowed; NULL means that memory is not counted */
+    const struct proto_writer_account *account;
     size_t counted;                       /* bytes taken from the account: 0 or the capacity */
-    const struct proto_writer_sink *sink; /* borrowed; NULL: `data` holds the whole text */
+    const struct proto_writer_sink *sink; /* borrowed; NULL means `data` holds the whole text */
     size_t flushed;                       /* bytes that the sink has received */
     enum proto_writer_failure failure;
-    bool comma; /* true: a value was just written, so the next one needs a comma */
+    bool comma; /* true if a value was just written, so the next one needs a comma */
 };
 
 /* Initializes an empty writer for at most `maximum` bytes. Allocates nothing. */

@@ -39,7 +39,7 @@ struct proto_batch_query { /* all zero: empty */
     char select[PROTO_BATCH_SELECT]; /* written as in a query string */
     char geometry[PROTO_BATCH_NAME];
     bool has_select, has_geometry;
-    bool is_former; /* true: the line has "fields" instead of "select" */
+    bool is_former; /* true if the line has "fields" instead of "select" */
 };
 
 /* Problems: invalid_request, with pointers into the line; too_large. The caller frees the result by

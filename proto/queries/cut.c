@@ -16,7 +16,7 @@ bool proto_cut_request_check(const struct proto_object *object, struct proto_cut
     (PROTO_CUT_FIELD_NAME | PROTO_CUT_FIELD_VERTICES | PROTO_CUT_FIELD_FACES |                     \
      PROTO_CUT_FIELD_AREA | PROTO_CUT_FIELD_VERTEX_MAP | PROTO_CUT_FIELD_FACE_MAP)
 
-/* Returns the selected fields of a piece; 0: no pieces. */
+/* Returns the selected fields of a piece; 0 means no pieces. */
 static uint32_t piece_fields(uint32_t fields)
 {
     return proto_fields_within(fields, PROTO_CUT_FIELD_PIECES, PIECE_FIELDS);

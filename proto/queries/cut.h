@@ -11,7 +11,7 @@
 void proto_cut_begin(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields);
 void proto_cut_end(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields);
 
-/* Writes a piece. `name` is the name of its new mesh; NULL: faces were only selected. */
+/* Writes a piece. `name` is the name of its new mesh; NULL means that faces were only selected. */
 void proto_cut_piece_encode(struct proto_writer *writer, const struct gd_cut_piece *piece,
                             const char *name, uint32_t fields);
 

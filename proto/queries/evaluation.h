@@ -13,10 +13,10 @@ uint32_t proto_evaluation_wanted(const struct proto_options *options, bool wants
                                  bool wants_gradient);
 
 struct proto_result {
-    double distance;            /* INFINITY: no path; NAN: beyond max_distance */
+    double distance;            /* INFINITY means no path; NAN means beyond max_distance */
     uint32_t member;            /* the nearest member; set only if there is a distance */
     struct gd_point nearest;    /* the nearest point of that member; set with `member` */
-    const struct gd_path *path; /* NULL: there is no path, or it is not selected */
+    const struct gd_path *path; /* NULL means that there is no path, or it is not selected */
     bool has_gradient;
     struct gd_direction gradient;
 };

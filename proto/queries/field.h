@@ -16,11 +16,11 @@ struct proto_field_description {
     const char *id;
     uint64_t wedges, bytes;
     double build_ms;
-    double max_distance; /* 0: no limit */
+    double max_distance; /* 0 means no limit */
     uint32_t members;
-    double max;               /* largest distance; NAN: beyond max_distance */
+    double max;               /* largest distance; NAN means beyond max_distance */
     struct gd_point farthest; /* the farthest point, if max is known */
-    const char *set; /* JSON, as the first client sent it; NULL: longer than PROTO_FIELD_SET */
+    const char *set; /* JSON, as the first client sent it; NULL means longer than PROTO_FIELD_SET */
     int64_t created; /* seconds since 1970 */
     uint64_t uses;   /* number of requests that named the field; only in lists */
 };

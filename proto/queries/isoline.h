@@ -17,7 +17,7 @@ struct proto_isolines {
     /* owned; if the request has only a count, NULL until proto_isolines_settle */
     double *levels;
     uint32_t level_count; /* at least 1 */
-    double tolerance;     /* 0: not given */
+    double tolerance;     /* 0 if not given */
     bool wants_arcs;
     const char *place; /* place of levels or count in the request, static */
 };

@@ -27,7 +27,7 @@ struct proto_many {
 bool proto_many_decode(struct json_t *document, struct proto_many *out,
                        struct proto_problem *problem);
 
-/* As proto_many_decode, from text. */
+/* Like proto_many_decode, from text. */
 bool proto_many_read(const void *text, size_t size, struct proto_many *out,
                      struct proto_problem *problem);
 void proto_many_free(struct proto_many *many); /* accepts all zero */
@@ -45,7 +45,7 @@ const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct 
 
 struct proto_many_page {
     uint32_t limit;
-    /* true: `cursor` was sent, and items are listed in the order of their answers */
+    /* true if `cursor` was sent, and items are listed in the order of their answers */
     bool is_by_number;
     int64_t after; /* number of an item (-1: lists from the first one), or of an answer */
     uint64_t wait_s;
@@ -79,7 +79,7 @@ void proto_many_encode_answer(struct proto_writer *writer, const struct proto_ma
                               uint32_t item, unsigned status, const char *answer, size_t size);
 
 /* Ends a page of answers with the batch's state. `next` is the `after` or `cursor` of the next
- * page; -1: there is none. */
+ * page, or -1 if there is none. */
 void proto_many_end_page(struct proto_writer *writer, const struct proto_many_state *state,
                          int64_t next);
 

@@ -11,7 +11,7 @@
  * the limit. */
 bool proto_matrix_check(const struct proto_matrix_request *request, struct proto_problem *problem);
 
-/* Distances, one row for each source. INFINITY: no path; NAN: beyond max_distance. */
+/* Distances, one row for each source. INFINITY means no path; NAN means beyond max_distance. */
 struct proto_matrix_answer {
     const double *distances; /* rows x columns */
     uint32_t rows, columns;

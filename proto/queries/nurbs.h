@@ -9,9 +9,9 @@
 #include "proto/json/writer.h"
 
 struct proto_nurbs_options {
-    bool has_convention;              /* true: `convention` is used for a file that names none */
+    bool has_convention;              /* true if `convention` is used for a file that names none */
     unsigned convention;              /* enum gd_nurbs_convention */
-    const struct gd_control *control; /* control of the reading; borrowed; NULL: none */
+    const struct gd_control *control; /* control of the reading; borrowed; may be NULL */
 };
 
 /* Reads convention, and format, which can only be json; rejects any other parameter. */
@@ -24,7 +24,7 @@ struct proto_nurbs_form {
     /* static; this and the following members are only set for NURBS */
     const char *convention;
     uint32_t degree[2], count[2]; /* in u, v; count: control points */
-    bool is_rational;             /* true: the weights differ */
+    bool is_rational;             /* true if the weights differ */
 };
 
 /* Reads the surface of a file. Problems: invalid_request (not JSON of this form), invalid_mesh with
@@ -43,7 +43,7 @@ struct proto_nurbs_description {
     uint64_t memory_bytes;
     struct proto_nurbs_form form;
     const struct gd_parametric *surface;
-    /* faces of the tessellation that seeds shortest paths; 0: there is none */
+    /* faces of the tessellation that seeds shortest paths; 0 means none */
     uint64_t seeding_faces;
     const char *obstacle;    /* why there is no tessellation */
     uint32_t trimming_loops; /* 0: not trimmed */

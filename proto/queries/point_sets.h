@@ -7,7 +7,7 @@
 #include "proto/http/options.h"
 #include "proto/values/point.h"
 
-/* Decodes the weights of a request's points into an array from malloc; NULL: equal weights.
+/* Decodes the weights of a request's points into an array from malloc; NULL means equal weights.
  * Problems: invalid_request, insufficient_memory. */
 bool proto_mean_weights_decode(const json_t *document, uint32_t count, double **out,
                                struct proto_problem *problem);
@@ -17,7 +17,7 @@ void proto_mean_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
 
 /* Writes the points (in full, as [x,y,z] or not at all, by the geometry) and their radii; a radius
  * that is not finite is null. `snap` is the distance by which the first point was moved onto the
- * surface; NAN: it was not moved. */
+ * surface; NAN means that it was not moved. */
 void proto_sampling_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                            const struct gd_point *points, const double *radii, uint32_t count,
                            double snap, const struct proto_options *options);

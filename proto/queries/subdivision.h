@@ -9,7 +9,7 @@
 
 struct proto_subdivision_options {
     enum gd_format format; /* GD_FORMAT_ANY: not given */
-    bool has_scheme;       /* false: the scheme is that of the file, or Catmull-Clark */
+    bool has_scheme;       /* false if the scheme is that of the file, or Catmull-Clark */
     enum gd_scheme scheme;
 };
 

@@ -13,13 +13,13 @@
 
 struct proto_direction {
     char place[PROTO_KEPT_PLACE]; /* its place in the request, see problem.h */
-    bool has_angle;               /* true: `angle` is used; false: `xyz` is used */
+    bool has_angle;               /* true if `angle` is used; false if `xyz` is used */
     double angle;
     struct gd_vec3 xyz;
 };
 
 /* Decodes an angle, a vector [x,y,z], or an object as in answers: {"angle"}, {"xyz"}, or both. If
- * both are present, the angle is used, because it is more exact. `pointer`: the JSON Pointer of
+ * both are present, the angle is used, because it is more exact. `pointer` is the JSON Pointer of
  * `value`, copied. Problem: invalid_request. */
 bool proto_direction_decode(const json_t *value, const char *pointer, struct proto_direction *out,
                             struct proto_problem *problem);

@@ -14,7 +14,7 @@ struct proto_limit_places { /* all zero is an empty list */
 
 void proto_limit_places_free(struct proto_limit_places *places); /* leaves an empty list */
 
-/* Locates a place on its surface. `pointer`: its place in the request. Problems: invalid_request
+/* Locates a place on its surface. `pointer` is its place in the request. Problems: invalid_request
  * (face or corner), point_not_on_surface (u, v outside of the face). */
 bool proto_limit_place_locate(const struct gd_subdivision *surface,
                               const struct proto_limit_place *place, const char *pointer,

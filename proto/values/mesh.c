@@ -233,7 +233,7 @@ static void encode_copies(struct proto_writer *writer, const struct gd_mesh *mes
 struct kind {
     const char *key;
     const struct gd_mended *mended;
-    bool single; /* true: an element is one number instead of two */
+    bool single; /* true if an element is one number instead of two */
 };
 
 static void encode_elements(struct proto_writer *writer, const struct kind *kind)

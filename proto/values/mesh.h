@@ -40,12 +40,12 @@ bool proto_mesh_name_check(const char *name, size_t length, struct proto_problem
  * invalid_request. */
 bool proto_caption_check(const char *text, struct proto_problem *problem);
 
-/* Reads `?description=` of an upload, borrowed; NULL: not given. */
+/* Reads `?description=` of an upload, borrowed; NULL if not given. */
 bool proto_caption_parse(const struct proto_parameters *parameters, const char **out,
                          struct proto_problem *problem);
 
 /* Decodes the body of a PATCH of a surface: {"description": "…"}, or null to remove the
- * description. `*out` is borrowed from the document; NULL: the member is missing. */
+ * description. `*out` is borrowed from the document; NULL means that the member is missing. */
 bool proto_caption_decode(const struct json_t *document, const char **out,
                           struct proto_problem *problem);
 
@@ -83,7 +83,7 @@ struct proto_mesh_description {
     uint64_t memory_bytes;
     const struct gd_mesh *mesh;
     struct {              /* set for a mesh that edits made */
-        const char *mesh; /* the original's name; "": an upload; NULL: no edits made it */
+        const char *mesh; /* the original's name; "": an upload; NULL means no edits made it */
         const char *etag;
         double largest_distance;
         const char *operations; /* JSON */

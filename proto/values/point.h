@@ -16,7 +16,7 @@
 
 /* struct proto_point and proto_point_decode, which reads JSON, are in generated/values.h. */
 
-/* Parses compact text: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0. `parameter`: the name
+/* Parses compact text: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0. `parameter` is the name
  * of the query-string parameter, or a JSON Pointer; copied. Problem: invalid_request. */
 bool proto_point_parse(const char *text, const char *parameter, struct proto_point *out,
                        struct proto_problem *problem);
@@ -32,7 +32,7 @@ bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *po
 void proto_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                         const struct gd_point *point, double snap_distance);
 
-/* As proto_point_encode, with only these fields (bits of enum proto_point_field). */
+/* Like proto_point_encode, with only these fields (bits of enum proto_point_field). */
 void proto_point_encode_fields(struct proto_writer *writer, const struct gd_mesh *mesh,
                                const struct gd_point *point, double snap_distance, uint32_t fields);
 

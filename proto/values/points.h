@@ -32,7 +32,8 @@ bool proto_points_parse(struct proto_points *points, const char *text, const cha
 struct proto_located_points {   /* all zero: empty */
     const struct gd_mesh *mesh; /* borrowed */
     struct gd_point *points;
-    /* distances by which points were moved; NAN: not moved; in the same allocation as the points */
+    /* distances by which points were moved; NAN if not moved; in the same allocation as the
+       points */
     double *snaps;
     uint32_t count;
 };

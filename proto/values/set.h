@@ -20,7 +20,7 @@ struct proto_curve; /* generated/requests.h */
 /* Offset and label of a member. */
 struct proto_naming {
     double offset;     /* 0 to PROTO_SET_OFFSET */
-    const char *label; /* borrowed from the document; NULL: none */
+    const char *label; /* borrowed from the document; may be NULL */
 };
 
 /* All zero is an empty set. */
@@ -29,11 +29,11 @@ struct proto_set {
     struct proto_point *points;        /* owned, as all arrays */
     struct proto_curve *curves;
     struct proto_naming *namings; /* one for each point, then one for each curve */
-    bool all_boundaries;          /* true: all boundaries are members, too, after the others */
+    bool all_boundaries;          /* true if all boundaries are members, too, after the others */
     json_t *document;             /* retained, because it contains the labels */
 };
 
-/* Decodes a set of at least one member. `pointer`: the JSON Pointer of `value`. Problems:
+/* Decodes a set of at least one member. `pointer` is the JSON Pointer of `value`. Problems:
  * invalid_request, too_large, insufficient_memory. The caller frees the result by
  * proto_set_free. */
 bool proto_set_decode(const json_t *value, const char *pointer, struct proto_set *out,
@@ -55,11 +55,11 @@ bool proto_set_is_quick(const struct proto_set *set);
 struct proto_located_set {
     uint32_t count; /* members */
     uint32_t seed_count;
-    /* true: the seeds include segments, which come from members other than points */
+    /* true if the seeds include segments, which come from members other than points */
     bool has_segments;
     const struct gd_seed *seeds; /* member by member */
     const uint32_t *members;     /* for each seed: its member */
-    /* for each member: offset of its label in `labels`; UINT32_MAX: none */
+    /* for each member: offset of its label in `labels`, or UINT32_MAX if there is none */
     const uint32_t *label_offsets;
     const char *labels;
     size_t label_size; /* bytes of all labels, with their NULs */

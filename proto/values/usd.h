@@ -13,7 +13,7 @@ struct proto_usd {
     enum gd_scheme scheme;
 };
 
-/* Returns whether the bytes (NULL: none) are JSON of this form. Distinguishes it from {"vertices",
+/* Returns whether the bytes (may be NULL) are JSON of this form. Distinguishes it from {"vertices",
  * "faces"} by the names of the members. */
 bool proto_usd_is(const void *bytes, size_t size);
 

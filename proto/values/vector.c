@@ -168,7 +168,7 @@ static bool check_combination(const struct proto_vectors *vectors, struct proto_
     return true;
 }
 
-/* Decodes the vectors. `is_straight`: a vector that has its own direction needs no segments. */
+/* Decodes the vectors. If `is_straight`, a vector with its own direction needs no segments. */
 static bool decode_vectors(const json_t *document, bool is_straight, struct proto_vectors *out,
                            struct proto_problem *problem)
 {

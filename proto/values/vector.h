@@ -14,7 +14,7 @@
 #define PROTO_VECTOR_LENGTH 1e150 /* the same limit as for coordinates */
 
 struct proto_segment {
-    bool has_direction; /* false: the length must be 0 */
+    bool has_direction; /* false if the length must be 0 */
     struct proto_direction direction;
     double length;
 };
@@ -25,7 +25,7 @@ struct proto_vectors {
     struct proto_segment *segments;
     uint32_t *first; /* count + 1 */
     uint32_t count;
-    double *factors; /* `count` factors for the operation combine; NULL: none */
+    double *factors; /* `count` factors for the operation combine; may be NULL */
 };
 
 void proto_vectors_free(struct proto_vectors *vectors); /* leaves an empty list */

@@ -17,8 +17,8 @@ struct server_access;
 /* The rights of an exchange until it ends. All zero: none. */
 struct server_grant {
     struct server_credentials *keys;     /* a reference to the set that contains `key` */
-    const struct server_credential *key; /* NULL: no key */
-    bool is_entered; /* true: the request counts among the key's concurrent requests */
+    const struct server_credential *key; /* NULL means no key */
+    bool is_entered; /* true if the request counts among the key's concurrent requests */
 };
 
 /* Reads the keys of the file. Returns NULL with a sentence in `error` on failure. */
@@ -30,7 +30,7 @@ void server_access_destroy(struct server_access *access); /* NULL is allowed */
 bool server_access_reload(struct server_access *access, char error[SERVER_ERROR]);
 
 struct server_access_request {
-    const char *authorization;    /* the header; NULL: none */
+    const char *authorization;    /* the header; may be NULL */
     uint32_t authorization_count; /* number of such headers */
     enum proto_access needed;
 };
@@ -41,7 +41,7 @@ struct server_access_request {
 bool server_access_admit(struct server_access *access, const struct server_access_request *request,
                          struct server_grant *grant, struct proto_problem *problem);
 
-/* Returns the name of the key, for the log; NULL: none. */
+/* Returns the name of the key, for the log, or NULL if there is none. */
 const char *server_grant_name(const struct server_grant *grant);
 
 /* Returns the tenant of the request (kind.h), valid as long as the grant; "": none. */
@@ -49,7 +49,7 @@ const char *server_grant_tenant(const struct server_grant *grant);
 
 /* Returns whether the grant may change jobs, batches and fields that the given key of its tenant
  * made. A key with the role write may change what any key of its tenant made. Any other key may
- * change only what it made itself. False: the error is forbidden. */
+ * change only what it made itself. False if the error is forbidden. */
 bool server_grant_may_change(const struct server_grant *grant, const char *key,
                              struct proto_problem *problem);
 
@@ -73,7 +73,7 @@ void server_access_write(struct server_access *access, const char *tenant,
  * machine are accepted. Pages of the origins in --cors-origin may always use the daemon (CORS,
  * Fetch standard, 3.2).
  *
- * The members are headers. NULL: the request has no such header. */
+ * The members are headers. NULL means that the request has no such header. */
 struct server_guard_request {
     const char *host, *origin, *fetch_site;
     bool is_http10; /* needs no Host */

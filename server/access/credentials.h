@@ -29,7 +29,7 @@
 #define SERVER_CREDENTIALS_MOST  10000
 #define SERVER_LIMITS_MOST       1000000u
 
-struct server_limits { /* 0: no limit */
+struct server_limits { /* 0 means no limit */
     uint32_t rate;     /* requests a second */
     uint32_t concurrent;
 };
@@ -72,7 +72,7 @@ struct server_credential {
     char tenant[SERVER_CREDENTIAL_NAME]; /* see kind.h */
     char sha256[SERVER_SHA256_HEX];
     enum server_role role;
-    int64_t expires; /* seconds since 1970; 0: never */
+    int64_t expires; /* seconds since 1970; 0 means never */
     struct server_limits limits;
     struct server_quota *quota;
 };
@@ -83,7 +83,7 @@ struct server_credentials {
     struct server_credential *keys;
 };
 
-/* Reads the file. `before`: the set that the new one replaces, or NULL. Returns one reference. On
+/* Reads the file. `before` is the set that the new set replaces, or NULL. Returns one reference. On
  * failure (unreadable, no key, malformed, or a repeated name or key) returns NULL with a sentence
  * in `error` that names the line. */
 struct server_credentials *server_credentials_load(const char *path,

@@ -35,7 +35,7 @@ struct server_sandbox_needs {
     const char *files[3];                 /* SIGHUP rereads them; must exist */
     const struct server_address *address; /* where the daemon will listen */
     const char *database;                 /* address of a PostgreSQL database */
-    /* Enumerate the ports and the files that a connection to the database uses. False: error. */
+    /* Enumerate the ports and the files that a connection to the database uses. False if error. */
     bool (*each_port)(const char *database, bool (*visit)(void *user, uint16_t port), void *user);
     bool (*each_file)(const char *database, void (*visit)(void *user, const char *file),
                       void *user);
@@ -44,7 +44,7 @@ struct server_sandbox_needs {
 /* State of the sandbox. The strings are NULL, or static texts with the reason why that part is
  * off. */
 struct server_sandbox {
-    bool is_wanted; /* false: no part of the sandbox is on */
+    bool is_wanted; /* false if no part of the sandbox is on */
     bool connects;  /* the daemon may connect to a database at any time */
     const char *new_privileges, *capabilities, *landlock, *seccomp;
 };

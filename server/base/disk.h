@@ -66,7 +66,7 @@ struct server_listing {
     void *directory;
     size_t folder_size; /* bytes of the folder's path, with the slash */
     char path[SERVER_DISK_PATH], *name;
-    bool is_readable; /* false: the folder can't be read */
+    bool is_readable; /* false if the folder can't be read */
 };
 
 struct server_listing server_disk_list(const char *folder);

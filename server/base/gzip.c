@@ -74,7 +74,7 @@ uint32_t server_crc32(uint32_t sum, const void *bytes, size_t size)
 
 struct server_inflater {
     z_stream stream;
-    bool is_whole; /* true: the input ends between two members */
+    bool is_whole; /* true if the input ends between two members */
     uint64_t in, out;
 };
 

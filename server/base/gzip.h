@@ -35,7 +35,7 @@ enum server_inflate_outcome {
     SERVER_INFLATE_STOPPED
 };
 
-/* NULL: out of memory. */
+/* NULL means out of memory. */
 struct server_inflater *server_inflater_create(void);
 void server_inflater_destroy(struct server_inflater *inflater); /* NULL is allowed */
 

@@ -136,15 +136,15 @@ struct text {
 
 static struct {
     pthread_mutex_t lock;
-    struct server_thread *thread; /* NULL: the thread is not started, or is stopping */
-    /* true: lines are buffered, and written by the thread or at its stop */
+    struct server_thread *thread; /* NULL means that the thread is not started, or is stopping */
+    /* true if lines are buffered, and written by the thread or at its stop */
     bool is_gathering;
-    bool is_urgent; /* true: `gathering` must be written at once */
-    /* true: `gathering` is full, and later lines are dropped and counted */
+    bool is_urgent; /* true if `gathering` must be written at once */
+    /* true if `gathering` is full, and later lines are dropped and counted */
     bool is_full;
     struct text *gathering, *other;
     uint64_t noted;        /* number of dropped lines that the log has reported */
-    atomic_bool is_behind; /* true: some line is not written yet */
+    atomic_bool is_behind; /* true if some line is not written yet */
     atomic_uint_least64_t dropped;
     struct text texts[2];
 } output = {

@@ -8,7 +8,7 @@
 struct server_names { /* all zero: an empty set */
     void *root;       /* root of a tree of tsearch(3) */
     size_t count;
-    bool is_incomplete; /* true: a name may be missing, because memory was short */
+    bool is_incomplete; /* true if a name may be missing, because memory was short */
 };
 
 void server_names_add(struct server_names *names, const char *name); /* copies it */

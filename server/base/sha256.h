@@ -14,7 +14,7 @@ void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX]);
 /* Returns true if the text begins with exactly 64 lower-case hexadecimal digits. */
 bool server_sha256_check(const char *text);
 
-/* As server_sha256, but returns early at a deadline or a cancel. Also fails with GD_NO_MEMORY. */
+/* Like server_sha256, but returns early at a deadline or a cancel. Also fails with GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status server_sha256_within(const void *bytes, size_t size,
                                                 const struct gd_control *control,
                                                 char hex[SERVER_SHA256_HEX]);

@@ -49,7 +49,7 @@ struct server_thread *server_thread_start(void (*run)(void *user, struct server_
  * `run` must end. */
 bool server_thread_pause(struct server_thread *thread, uint64_t ns);
 
-/* As server_thread_pause, but a wake does not end this wait; it ends the next pause instead. */
+/* Like server_thread_pause, but a wake does not end this wait; it ends the next pause instead. */
 bool server_thread_sleep(struct server_thread *thread, uint64_t ns);
 
 /* Thread-safe. */
@@ -58,7 +58,7 @@ void server_thread_wake(struct server_thread *thread);
 /* Makes pauses return false, waits until `run` returns, and frees the thread. NULL is allowed. */
 void server_thread_stop(struct server_thread *thread);
 
-/* As server_thread_stop, but waits at most `ns` nanoseconds. Returns false if `run` has not
+/* Like server_thread_stop, but waits at most `ns` nanoseconds. Returns false if `run` has not
  * returned; then the thread frees itself when `run` returns. */
 bool server_thread_stop_within(struct server_thread *thread, uint64_t ns);
 

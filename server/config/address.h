@@ -11,7 +11,7 @@
 struct server_address {
     struct sockaddr_storage socket;
     socklen_t size;
-    mode_t mode; /* mode of a unix socket; 0: set by the umask */
+    mode_t mode; /* mode of a unix socket; 0 means set by the umask */
 };
 
 #define SERVER_ADDRESS_TEXT 128

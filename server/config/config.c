@@ -36,7 +36,7 @@ struct option {
     enum option_kind kind;
     size_t offset;        /* offset of the member in struct server_config */
     uint64_t least, most; /* COUNT, BYTES */
-    /* the default, as an operator would type it; NULL: none, or determined at run time */
+    /* the default, as an operator would type it; NULL means none, or determined at run time */
     const char *standard;
     const char *const *words; /* of a CHOICE, NULL-terminated; the value is an index into them */
     const char *help;

@@ -40,13 +40,13 @@ struct server_config {
     char keys[SERVER_CONFIG_PATH];             /* see credentials.h */
     char tls_cert[SERVER_CONFIG_PATH], tls_key[SERVER_CONFIG_PATH]; /* both or none */
     uint64_t max_connections;                                       /* open at once */
-    /* largest number of connections from one address; 0: no limit */
+    /* largest number of connections from one address; 0 means no limit */
     uint64_t max_address_connections;
     uint64_t workers, http_threads; /* threads */
     uint64_t queue_length;          /* limit on the requests that wait for a worker */
     unsigned cpu;                   /* index in server_config_cpus */
     uint64_t memory_budget;         /* bytes */
-    uint64_t landmarks;             /* number of landmarks of a mesh; 0: none */
+    uint64_t landmarks;             /* number of landmarks of a mesh; 0 means none */
     uint64_t max_body, max_answer;  /* bytes */
     uint64_t max_faces;             /* triangles */
     uint64_t timeout_ms;            /* of a request */
@@ -63,9 +63,9 @@ struct server_config {
     bool persist_fields;
     bool check_store;                                             /* check and exit */
     char backup[SERVER_CONFIG_PATH], restore[SERVER_CONFIG_PATH]; /* copy and exit */
-    uint64_t scrub_s;    /* period of scrubs of the store; 0: none */
+    uint64_t scrub_s;    /* period of scrubs of the store; 0 means none */
     uint64_t scrub_rate; /* bytes a second */
-    uint64_t slow_ms;    /* requests that take longer are logged as slow; 0: none */
+    uint64_t slow_ms;    /* requests that take longer are logged as slow; 0 means none */
     enum server_sandbox_mode sandbox;
 };
 

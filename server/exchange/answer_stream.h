@@ -31,7 +31,7 @@ struct server_answer_streams_load {
     size_t held;
 };
 
-/* Thread-safe. NULL: zeros. */
+/* Thread-safe. NULL means zeros. */
 struct server_answer_streams_load
 server_answer_streams_load(const struct server_answer_streams *streams);
 
@@ -43,7 +43,7 @@ struct server_answer_encoder {
     /* bytes of SERVER_BUDGET_FLIGHT that the state holds; a stream counts them itself and sets this
        to 0 */
     size_t *held;
-    const char *media_type; /* a static string; NULL: application/json */
+    const char *media_type; /* a static string; NULL means application/json */
 };
 
 /* Replies with the encoder's text, or with a problem. `writer` must be fresh from

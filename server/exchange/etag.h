@@ -52,7 +52,8 @@ enum server_etag_form { SERVER_ETAG_NONE, SERVER_ETAG_PLAIN, SERVER_ETAG_PACKED 
 void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char *form);
 
 /* Returns true if there is no If-Match, or if it lists a tag of the resource. `etag` is the
- * resource's tag or that of one of its representations; NULL: the resource does not exist. */
+ * resource's tag or that of one of its representations; NULL means that the resource does not
+ * exist. */
 bool server_precondition_matches(const struct server_precondition *precondition, const char *etag);
 
 /* A representation has a plain tag, `etag`, and a tag for its compressed form. Returns the one of

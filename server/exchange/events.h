@@ -50,7 +50,7 @@ struct server_stream_reader {
     void *user;
 };
 
-/* NULL: out of memory. */
+/* NULL means out of memory. */
 struct server_events *server_events_create(void);
 
 /* Call this function when all streams are closed. NULL is allowed. */
@@ -67,7 +67,7 @@ void server_events_wake(struct server_events *events, const void *user);
 /* Ends all streams of events. Later streams end after their first message. */
 void server_events_end(struct server_events *events);
 
-/* Returns the number of open streams. Thread-safe. NULL: 0. */
+/* Returns the number of open streams. Thread-safe. NULL means 0. */
 uint32_t server_events_count(const struct server_events *events);
 
 /* Opens a stream. Closing the stream releases the source. Returns NULL, without releasing the

@@ -445,7 +445,7 @@ static const bool is_token_byte[256] = {
     ['^' ... 'z'] = true, ['|'] = true,          ['~'] = true,
 };
 
-/* Returns the size of the token at `text`; 0: there is no token. */
+/* Returns the size of the token at `text`; 0 means that there is no token. */
 static size_t token_size(const char *text)
 {
     size_t size = 0;
@@ -469,7 +469,7 @@ const char *server_exchange_check_target(const char *target)
                                      TARGET_MOST) " bytes; send a POST with a body";
 }
 
-/* Checks the headers. `size`: bytes of method and target. */
+/* Checks the headers. `size` is the number of bytes of method and target. */
 static const char *headers_check(const struct server_exchange *exchange, size_t size)
 {
     for (uint32_t i = 0; i < exchange->header_count; i++) {

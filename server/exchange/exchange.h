@@ -53,7 +53,7 @@ struct server_body {
     char *bytes;                  /* NULL while empty */
     /* `capacity` bytes are taken from the budget (SERVER_BUDGET_FLIGHT) */
     size_t size, capacity;
-    uint64_t declared;                /* Content-Length; 0: none; or SERVER_BODY_CHUNKED */
+    uint64_t declared;                /* Content-Length; 0 means none; or SERVER_BODY_CHUNKED */
     uint64_t limit;                   /* largest number of bytes that the operation accepts */
     size_t refused;                   /* bytes that the budget refused */
     struct server_inflater *inflater; /* decompressor of a compressed body, or NULL */
@@ -95,7 +95,7 @@ struct server_response_header {
 /* The middle of a response's body. The lender owns these bytes, and counts them in the budget until
  * they are released. */
 struct server_lent {
-    const void *bytes; /* NULL: `body` is the whole body */
+    const void *bytes; /* NULL means `body` is the whole body */
     size_t size;
     const char *tail; /* static text after the lent bytes, or "" */
     void *lender;
@@ -103,17 +103,18 @@ struct server_lent {
 };
 
 struct server_response {
-    unsigned status; /* 0: not answered yet */
+    unsigned status; /* 0 if not answered yet */
     const char *media_type;
     enum proto_problem_code problem; /* PROTO_PROBLEM_NONE: none */
     const void *body;
-    void *owned; /* equals `body` if the body must be freed; NULL: the body is static */
+    void *owned; /* equals `body` if the body must be freed; NULL means that the body is static */
     struct server_lent lent;
     size_t size; /* bytes of the whole body, including the lent bytes */
     size_t held; /* bytes of SERVER_BUDGET_ANSWERS for the body, until it is freed */
-    struct server_stream *stream; /* a stream (events.h) that replaces the body; NULL: none */
-    bool close;                   /* true: the connection is closed after this answer */
-    const char *policy;           /* Content-Security-Policy of a page; NULL: the answer is data */
+    struct server_stream *stream; /* a stream (events.h) that replaces the body; may be NULL */
+    bool close;                   /* true if the connection is closed after this answer */
+    /* Content-Security-Policy of a page; NULL means that the answer is data */
+    const char *policy;
     uint32_t header_count;
     struct server_response_header headers[SERVER_RESPONSE_HEADERS];
 };
@@ -129,7 +130,7 @@ struct server_transport {
     void (*begin)(struct server_exchange *exchange);
     /* Receives the progress in [0,1], on any thread. May be NULL. */
     void (*report)(struct server_exchange *exchange, double part);
-    bool can_stream; /* true: the answer may be a stream (server_reply_stream) */
+    bool can_stream; /* true if the answer may be a stream (server_reply_stream) */
 };
 
 /* The parts and settings that all requests share. The parts outlive the exchanges. */
@@ -163,18 +164,18 @@ struct server_exchange {
 
     const char *method; /* as in the request line, for example "GET" */
     bool is_http10;
-    bool is_local;       /* true: the connection comes from this host, perhaps through a proxy */
-    bool has_body;       /* true: the headers announce a body, which may be empty */
-    bool has_conditions; /* true: there is a header If-Match, If-None-Match or another If-… */
+    bool is_local;       /* true if the connection comes from this host, perhaps through a proxy */
+    bool has_body;       /* true if the headers announce a body, which may be empty */
+    bool has_conditions; /* true if there is a header If-Match, If-None-Match or another If-… */
     char *target;        /* storage of path and parameters, which are decoded in place */
     size_t target_size;
     const char *path;                   /* never NULL */
     struct proto_parameters parameters; /* the decoded query string, in `parameter_list` */
     uint32_t header_count;
-    char *copies;      /* copies of method and headers; NULL: the transport owns them */
+    char *copies;      /* copies of method and headers; NULL means the transport owns them */
     const char *fault; /* NULL, or a sentence with the reason why the request is malformed */
-    struct proto_route_match match; /* the route; NULL: no route matches */
-    /* the former name that the request uses (server_exchange_rename); NULL: none */
+    struct proto_route_match match; /* the route; NULL means no route matches */
+    /* the former name that the request uses (server_exchange_rename); may be NULL */
     const struct proto_deprecation *deprecation;
     char request_id[SERVER_REQUEST_ID];
     struct server_grant grant;
@@ -184,7 +185,7 @@ struct server_exchange {
     struct server_body body;
 
     uint64_t started_ns;
-    bool (*work)(struct server_exchange *exchange); /* NULL: not deferred */
+    bool (*work)(struct server_exchange *exchange); /* NULL if not deferred */
     bool (*join)(struct server_exchange *exchange);
     /* a reference to the surface that was loaded for this exchange, or NULL */
     struct server_surface *surface;
@@ -265,7 +266,7 @@ const char *server_exchange_sent_name(const struct server_exchange *exchange,
 
 /* --- for handlers ----------------------------------------------------------------------------- */
 
-/* Returns the value of the first header of that name, ignoring case; NULL: there is none. */
+/* Returns the value of the first header of that name, ignoring case, or NULL if there is none. */
 const char *server_exchange_header(const struct server_exchange *exchange, const char *name);
 uint32_t server_exchange_count_headers(const struct server_exchange *exchange, const char *name);
 
@@ -302,11 +303,11 @@ struct server_exchange *server_exchange_of(struct server_job *job);
  * `build`. Each thread that works for the exchange has its own monitor. */
 struct server_monitor {
     struct server_exchange *exchange;
-    struct server_pending_build *build; /* the build whose field the call computes; NULL: none */
+    struct server_pending_build *build; /* the build whose field the call computes; may be NULL */
     bool (*is_awaited)(struct server_pending_build *build); /* set with `build` */
     /* the call is the part [begun, begun + share] of the exchange's progress; share 0: all of it */
     double begun, share;
-    uint64_t limit_ns; /* an own deadline of the call, before that of the request; 0: none */
+    uint64_t limit_ns; /* an own deadline of the call, before that of the request; 0 means none */
 };
 struct gd_control server_exchange_control(struct server_monitor *monitor);
 

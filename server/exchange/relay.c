@@ -24,8 +24,8 @@ struct server_relay {
     pthread_cond_t room; /* signalled when a blocked writer has room */
     struct proto_writer waiting;
     size_t taken;                 /* bytes at the front of `waiting` that the client has read */
-    bool is_parked;               /* true: the writer's job is parked at the relay */
-    struct server_packer *packer; /* used by the writer; NULL: no compression */
+    bool is_parked;               /* true if the writer's job is parked at the relay */
+    struct server_packer *packer; /* used by the writer; NULL means no compression */
     struct proto_writer packed;   /* used by the writer: compressed text */
     bool is_ended, is_whole;      /* set by the writer */
     atomic_bool is_over;

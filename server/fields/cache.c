@@ -18,7 +18,7 @@
  * with equal seeds, the field of larger reach can answer all requests for the other field. */
 struct field_key {
     uint64_t hash; /* hash of the seeds */
-    double radius; /* 0: no limit */
+    double radius; /* 0 means no limit */
     uint32_t seed_count;
     const struct gd_seed *seeds;
 };
@@ -158,7 +158,7 @@ static bool key_covers(const struct field_key *a, const struct field_key *b)
 /* --- entries, without the lock ---------------------------------------------------------------- */
 
 /* Creates a pinned entry outside its mesh cache. Takes over the field and its bytes of
- * SERVER_BUDGET_FLIGHT. NULL: out of memory; then the field is released. */
+ * SERVER_BUDGET_FLIGHT. NULL means out of memory; then the field is released. */
 static struct entry *entry_create(struct server_mesh_cache *fields, const struct field_key *key,
                                   struct gd_field *field)
 {

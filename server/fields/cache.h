@@ -77,8 +77,8 @@ void server_cache_restore(struct server_mesh_cache *fields, struct gd_field *fie
 
 /* server_cache_find_field returns a field with the seeds of the request and at least its reach;
  * gd_field_within limits a larger reach. The request must have no target. server_cache_find returns
- * the complete field of a point. Both pin the field and count a use. NULL: there is no such field.
- * O(seeds); tens of nanoseconds for one seed. */
+ * the complete field of a point. Both pin the field and count a use. NULL means that there is no
+ * such field. O(seeds); tens of nanoseconds for one seed. */
 const struct server_cached *server_cache_find_field(struct server_mesh_cache *fields,
                                                     const struct gd_field_request *request);
 const struct server_cached *server_cache_find(struct server_mesh_cache *fields,
@@ -107,15 +107,15 @@ enum server_cache_turn server_cache_enter(struct server_mesh_cache *fields,
                                           const struct gd_point *source, struct server_job *job,
                                           struct server_pending_build **build);
 
-/* As server_cache_enter, for a request that needs the field and has no target. Together with SEARCH
- * it sets `*why`: GD_NO_MEMORY, GD_CANCELLED, or the error of a build of this field less than a
- * second ago. */
+/* Like server_cache_enter, for a request that needs the field and has no target. Together with
+ * SEARCH it sets `*why`: GD_NO_MEMORY, GD_CANCELLED, or the error of a build of this field less
+ * than a second ago. */
 enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
                                           const struct gd_field_request *request,
                                           struct server_job *job,
                                           struct server_pending_build **build, enum gd_status *why);
 
-/* Pins and returns a field from which this build can be resumed; NULL: there is none. */
+/* Pins and returns a field from which this build can be resumed, or NULL if there is none. */
 const struct server_cached *server_cache_find_nearer(struct server_pending_build *build);
 
 /* Returns true if jobs are parked at the build. The build must then continue even if its client has

@@ -21,7 +21,7 @@ struct server_discretizations;
 
 struct server_discretization {
     struct server_lru_item item; /* must be the first member */
-    struct gd_limit_mesh *mesh;  /* NULL: the discretization is a grid */
+    struct gd_limit_mesh *mesh;  /* NULL means that the discretization is a grid */
     struct gd_limit_grid *grid;
 };
 
@@ -29,9 +29,9 @@ struct server_discretization {
 #define SERVER_DISCRETIZATION_PLACES (2 * (GD_LIMIT_LEVEL_MOST + 1))
 
 struct server_discretization_slot {                 /* slot of one surface; all zero: empty */
-    _Atomic(struct server_discretizations *) owner; /* NULL: never used by a request */
+    _Atomic(struct server_discretizations *) owner; /* NULL never used by a request */
     /* guarded by the owner's lock: */
-    struct server_lru_item *levels[SERVER_DISCRETIZATION_PLACES]; /* NULL: not kept */
+    struct server_lru_item *levels[SERVER_DISCRETIZATION_PLACES]; /* NULL if not kept */
     bool is_building[SERVER_DISCRETIZATION_PLACES];
 };
 
@@ -47,7 +47,7 @@ struct server_discretization_request {       /* all borrowed for the call */
     struct server_discretization_slot *slot; /* slot of the surface */
     const struct gd_subdivision *surface;
     uint32_t level;            /* <= GD_LIMIT_LEVEL_MOST */
-    bool wants_grid;           /* true: a grid; false: a mesh */
+    bool wants_grid;           /* true: a grid; false if a mesh */
     struct gd_control control; /* its budget and its workspace must be unset */
     struct gd_detail *detail;
 };

@@ -14,7 +14,7 @@
 
 struct server_hot_points { /* all zero is empty */
     uint64_t hash[SERVER_HOT_POINTS];
-    uint32_t count[SERVER_HOT_POINTS]; /* 0: free */
+    uint32_t count[SERVER_HOT_POINTS]; /* 0 if free */
 };
 
 /* Returns the point's counter. If there is none, returns a free counter, which is 0. If there is

@@ -52,8 +52,8 @@ struct server_connection {
     /* during an answer: the latest time to which progress can extend the deadline */
     atomic_uint_least64_t last_ns;
     atomic_bool is_active; /* see server_connections_active */
-    bool is_short;         /* true: the answer's deadline also covers the idle time after it */
-    bool is_leaving;       /* true: the connection was shut down; guarded by the mutex */
+    bool is_short;         /* true if the answer's deadline also covers the idle time after it */
+    bool is_leaving;       /* true if the connection was shut down; guarded by the mutex */
     uint64_t body_started_ns, body_bytes;
     uint64_t acknowledged; /* bytes that the client had acknowledged at the thread's last check */
     /* bytes that the client had acknowledged when the thread last saw it read */
@@ -133,7 +133,7 @@ static enum reading connection_look(struct server_connection *connection)
     return connection->acknowledged - before >= ACKNOWLEDGED ? READING : READING_NOTHING;
 }
 
-/* Returns the next deadline of a connection whose deadline has passed; 0: there is none. */
+/* Returns the next deadline of a connection whose deadline has passed; 0 means none. */
 static uint64_t connection_extend(struct server_connection *connection, enum phase phase,
                                   uint64_t now_ns)
 {

@@ -37,8 +37,8 @@ struct server_connections_statistics {
     uint64_t refusals; /* malformed requests since the start */
 };
 
-/* Starts the thread. While `budget` (NULL: none) has no room for answers, the thread shuts down one
- * connection a second. It chooses the connection that has acknowledged nothing for the longest
+/* Starts the thread. While `budget` (may be NULL) has no room for answers, the thread shuts down
+ * one connection a second. It chooses the connection that has acknowledged nothing for the longest
  * time, if that is at least 10 s. Returns NULL if there is no memory or no thread. */
 struct server_connections *server_connections_create(const struct server_budget *budget);
 
@@ -62,13 +62,13 @@ void server_connections_relieve(struct server_connections *connections, uint64_t
  * of its answer. Thread-safe. */
 uint32_t server_connections_active(struct server_connections *connections);
 
-/* Thread-safe. NULL: zeros. */
+/* Thread-safe. NULL means zeros. */
 struct server_connections_statistics
 server_connections_statistics(struct server_connections *connections);
 
 /* --- one connection --------------------------------------------------------------------------- */
 
-/* Opens a record. `client`: the client's address; NULL: none. Returns NULL if out of memory. */
+/* Opens a record. `client` is the client's address; may be NULL. Returns NULL if out of memory. */
 struct server_connection *server_connection_open(struct server_connections *connections,
                                                  int descriptor, const struct sockaddr *client);
 

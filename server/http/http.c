@@ -467,8 +467,8 @@ static struct MHD_Daemon *http_start_library(struct server_http *http)
     unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC |
                      MHD_USE_ERROR_LOG | (http->parts.tls ? MHD_USE_TLS : 0);
     unsigned most = connection_limit(config), threads = (unsigned)config->http_threads;
-    /* at most three quarters of all connections for one address, so that others find a place; 0: no
-       limit */
+    /* at most three quarters of all connections for one address, so that others find a place; 0
+       means no limit */
     unsigned own = (unsigned)config->max_address_connections, all_but_some = most - most / 4;
     unsigned silence = config->listen.socket.ss_family == AF_UNIX ? SILENCE_SECONDS : 0;
     server_connections_limit(http->parts.connections, most);

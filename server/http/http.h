@@ -17,7 +17,7 @@ struct server_http_parts {
     const struct server_config *config;
     struct server_host *host; /* shared by all exchanges */
     struct server_connections *connections;
-    struct server_tls *tls; /* NULL: HTTP without TLS */
+    struct server_tls *tls; /* NULL means HTTP without TLS */
     /* Called after the headers. Replies, or leaves the reply to `end`. A reply with response.close
        is sent at once, without reading the body. */
     void (*begin)(struct server_exchange *exchange);

@@ -75,8 +75,8 @@ enum server_outcome server_batch_queue_document(struct server_store_sql *sql, co
 /* A position in the answers of a batch. */
 struct server_batch_place {
     const char *id;
-    int64_t after;     /* number of an item or of an answer; -1: before the first one */
-    bool is_by_number; /* true: answers are sorted by number, false: by item */
+    int64_t after;     /* number of an item or of an answer; -1 means before the first one */
+    bool is_by_number; /* true if answers are sorted by number, false: by item */
 };
 
 /* Visits the next SERVER_BATCH_ANSWERS answers, sorted: item, status, answer, item or number. */
@@ -106,8 +106,8 @@ enum server_outcome server_batch_queue_renew(struct server_store_sql *sql,
                                              const struct server_batch_claim *claim,
                                              const char *node);
 
-/* Returns an item to the queue. Daemons may claim it after `pause_ms`. `was_tried`: the attempt
- * counts. */
+/* Returns an item to the queue. Daemons may claim it after `pause_ms`. `was_tried` is true if the
+ * attempt counts. */
 enum server_outcome server_batch_queue_return(struct server_store_sql *sql,
                                               const struct server_batch_claim *claim,
                                               const char *node, bool was_tried, int64_t pause_ms);

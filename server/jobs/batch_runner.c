@@ -29,9 +29,9 @@ struct item {
     /* guarded by the runner's lock: */
     struct item *next;
     struct server_exchange *exchange; /* NULL: answered */
-    unsigned status;                  /* 0: not answered */
+    unsigned status;                  /* 0 if not answered */
     /* used by the thread after the item is answered: */
-    char *answer; /* NULL: there is no answer, or there was no memory for it */
+    char *answer; /* NULL means that there is no answer, or there was no memory for it */
     size_t size;
     size_t held; /* bytes of SERVER_BUDGET_ANSWERS */
 };
@@ -41,7 +41,7 @@ struct server_batch_runner {
     const struct server_config *config;
     struct server_thread *thread;
     pthread_mutex_t lock;
-    _Atomic(struct server_store_sql *) sql; /* set once, under the lock; NULL: not opened yet */
+    _Atomic(struct server_store_sql *) sql; /* set once, under the lock; NULL if not opened yet */
     char path[SERVER_DISK_PATH];            /* path of the queue's file; unused with PostgreSQL */
     struct item *items;                     /* guarded by the lock; only the thread removes items */
     uint64_t news;                          /* under the lock */
@@ -49,7 +49,7 @@ struct server_batch_runner {
     unsigned due;
     /* the addresses at which jobs are parked: see place_of */
     char places[PLACES];
-    atomic_bool cant_open; /* true: the last attempt to open the queue failed */
+    atomic_bool cant_open; /* true if the last attempt to open the queue failed */
     atomic_bool is_draining;
     atomic_uint running;
     atomic_uint_least64_t answered, returned;

@@ -53,15 +53,15 @@ struct server_deferred_job {
     size_t own;           /* bytes of SERVER_BUDGET_RECORDS that are counted for this struct */
     /* guarded by the table's lock: */
     enum proto_job_state state;
-    struct server_exchange *exchange; /* NULL: the exchange is answered */
+    struct server_exchange *exchange; /* NULL means that the exchange is answered */
     uint64_t ended_ns;
-    struct usage *usage; /* NULL: the job is not in the table */
+    struct usage *usage; /* NULL means that the job is not in the table */
     size_t held;         /* bytes of SERVER_BUDGET_JOBS that are counted for the job */
     /* Written before the state becomes DONE or FAILED, then constant: */
     struct proto_job_answer answer;
     struct proto_job_header headers[SERVER_RESPONSE_HEADERS];
     char *header_values;
-    void *body; /* NULL: the answer's body is static, or there is none */
+    void *body; /* NULL means that the answer's body is static, or there is none */
 };
 
 /* --- references ------------------------------------------------------------------------------- */

@@ -40,7 +40,7 @@ struct server_job_limits {
     uint32_t jobs;
     size_t answer_bytes;
     uint64_t ttl_s;    /* time for which an ended job is kept */
-    bool are_tenanted; /* true: the daemon has keys, and tenants share the table */
+    bool are_tenanted; /* true if the daemon has keys, and tenants share the table */
 };
 
 /* Borrows the host. Returns NULL if out of memory. */

@@ -20,13 +20,13 @@ struct server_job_table;
 
 struct server_api {
     const struct server_config *config;
-    struct server_access *access; /* NULL: the daemon has no keys */
+    struct server_access *access; /* NULL means that the daemon has no keys */
     struct server_registry *registry;
     struct server_workers *writer; /* one thread, for work that waits for the store's disk */
     struct server_workers *lister; /* one thread, for long lists */
     struct server_cache *cache;
     struct server_loader *loader;
-    struct server_landmarks *landmarks; /* NULL: disabled */
+    struct server_landmarks *landmarks; /* NULL means disabled */
     struct server_previews *previews;
     struct server_packed_files *packed_files;
     struct server_discretizations *discretizations;

@@ -33,12 +33,12 @@ enum server_array_type { SERVER_ARRAY_NUMBERS = 1, SERVER_ARRAY_FLOATS, SERVER_A
 struct server_array {
     const char *name;
     enum server_array_type type; /* an array to be written has NUMBERS or INDICES */
-    uint32_t columns;            /* 0: the array has one dimension */
+    uint32_t columns;            /* 0 means that the array has one dimension */
     uint64_t rows;
-    /* Copies rows as double or uint32_t. NULL: `source` is already an array of this type. */
+    /* Copies rows as double or uint32_t. NULL means `source` is already an array of this type. */
     void (*read)(const void *source, uint64_t first, uint64_t count, void *out);
     const void *source; /* borrowed */
-    /* if `read` is NULL: bytes from one row to the next; 0: the rows are contiguous */
+    /* if `read` is NULL: bytes from one row to the next; 0 means that the rows are contiguous */
     size_t stride;
 };
 
@@ -50,13 +50,13 @@ struct server_arrays { /* all zero: empty */
 /* Adds an array whose rows are contiguous. */
 void server_arrays_add(struct server_arrays *arrays, const struct server_array *array);
 
-/* As server_arrays_add, for contiguous numbers or indices, borrowed. */
+/* Like server_arrays_add, for contiguous numbers or indices, borrowed. */
 void server_arrays_add_numbers(struct server_arrays *arrays, const char *name, uint32_t columns,
                                uint64_t rows, const double *numbers);
 void server_arrays_add_indices(struct server_arrays *arrays, const char *name, uint32_t columns,
                                uint64_t rows, const uint32_t *indices);
 
-/* As server_arrays_add_numbers, for a member of structs that are `stride` bytes apart. */
+/* Like server_arrays_add_numbers, for a member of structs that are `stride` bytes apart. */
 void server_arrays_add_member(struct server_arrays *arrays, const char *name, uint64_t rows,
                               const double *first, size_t stride);
 

@@ -13,7 +13,7 @@
 
 struct server_edits {
     const struct server_surface *surface; /* borrowed */
-    bool is_upload; /* true: the surface comes from an uploaded file and has no name */
+    bool is_upload; /* true if the surface comes from an uploaded file and has no name */
     struct proto_edits edits;
     struct gd_edited edited;      /* the result */
     struct server_budget *budget; /* server_edits_run sets this member and the next */

@@ -64,9 +64,9 @@ enum { SERVER_FORM_JSON, SERVER_FORM_BYTES, SERVER_FORM_FIRST };
 
 /* The field from which a query is answered; all zero: no field is named. */
 struct server_field_query {
-    const struct proto_located_set *set; /* NULL: a worker has to locate it */
+    const struct proto_located_set *set; /* NULL means that a worker has to locate it */
     struct gd_field_request request;     /* request for the field of the set */
-    /* true: an answer from a cached field takes microseconds */
+    /* true if an answer from a cached field takes microseconds */
     bool is_quick;
     struct proto_set pending;           /* set to be located */
     double max_distance;                /* of `pending` */
@@ -85,7 +85,7 @@ struct server_query {
         *problem;
     struct proto_options options;
     unsigned form;  /* form of the answer, see the enum above */
-    bool with_mesh; /* true: the answer includes the mesh */
+    bool with_mesh; /* true if the answer includes the mesh */
     /* the query's part of the exchange's progress, see struct server_monitor */
     double begun, share;
     struct proto_writer draft;
@@ -102,7 +102,7 @@ struct server_query {
     struct server_lines lines;  /* lines of server_query_list_lines */
     struct gd_path line;        /* line of server_query_list_line */
     struct server_relay *relay; /* relay of an answer that is sent while it is computed, or NULL */
-    bool is_whole;              /* true: the whole answer was written to the relay */
+    bool is_whole;              /* true if the whole answer was written to the relay */
     bool is_drawn; /* the arrays are for a figure: list_arrays lists all that can be drawn */
 };
 
@@ -125,7 +125,7 @@ struct server_query_kind {
     enum server_query_turn (*try_inline)(struct server_query *query);
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query);
-    /* Runs on a worker. Names a set that takes time to locate. NULL: locates the pending set. */
+    /* Runs on a worker. Names a set that takes time to locate. NULL locates the pending set. */
     bool (*prepare)(struct server_query *query);
     /* Runs after the pending set is located. May be NULL. */
     bool (*located)(struct server_query *query);
@@ -137,15 +137,15 @@ struct server_query_kind {
     void (*reply)(struct server_query *query); /* for answers in a form other than JSON */
     /* form in the entity tag of such an answer, such as "png" */
     const char *reply_form;
-    bool has_bytes; /* true: application/octet-stream selects the first array without a head */
+    bool has_bytes; /* true if application/octet-stream selects the first array without a head */
     /* Writes the answer in the query's form; the exchange's `held` counts it. */
     bool (*write)(const struct server_query *query, struct server_answer_file *out);
     /* Lists the arrays of an answer that is DONE, for the forms of arrays.h. The arrays must stay
-       valid as long as the query. On failure, returns false with the problem. NULL: the answer has
-       no such forms. */
+       valid as long as the query. On failure, returns false with the problem. NULL means that the
+       answer has no such forms. */
     bool (*list_arrays)(struct server_query *query);
     void (*release)(struct server_query *query);
-    /* Returns the answer's status and adds headers; NULL: 200. */
+    /* Returns the answer's status and adds headers; NULL means 200. */
     unsigned (*status)(struct server_query *query);
 };
 
@@ -189,7 +189,7 @@ enum server_query_turn server_query_end_draft(struct server_query *query, enum g
                                               const char *what);
 
 /* Returns GD_BUDGET if the draft is full. Otherwise checks deadline and cancellation of the control
- * (NULL: none), and returns the result. Call this function from time to time during long work. */
+ * (may be NULL), and returns the result. Call this function from time to time during long work. */
 GD_MUST_USE enum gd_status server_query_pause(const struct server_query *query,
                                               const struct gd_control *control, double fraction);
 
@@ -227,15 +227,15 @@ bool server_query_locate(struct server_query *query, struct proto_points *points
 void *server_query_allocate(struct server_query *query, size_t count, size_t size);
 
 /* Begins one long call of the engine (budgeted_call.h). `part` is its part of the query's progress;
- * NULL: all of it. The query holds the bytes of the call's result. */
+ * NULL means all of it. The query holds the bytes of the call's result. */
 struct server_budgeted_call server_query_begin_call(struct server_query *query,
                                                     struct server_monitor *part, size_t grant);
 
-/* Returns the landmarks of the mesh, valid as long as the query; NULL: there are none. */
+/* Returns the landmarks of the mesh, valid as long as the query; NULL means that there are none. */
 const struct gd_landmarks *server_query_landmarks(struct server_query *query);
 
-/* Returns an executor of two threads, which the caller ends by server_executor_stop. NULL: there is
- * no second thread. */
+/* Returns an executor of two threads, which the caller ends by server_executor_stop. NULL means
+ * that there is no second thread. */
 const struct gd_executor *server_query_executor(const struct server_query *query);
 
 /* --- pairs of points -------------------------------------------------------------------------- */

@@ -23,11 +23,11 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
 /* Paths, borrowed, at least one. */
 struct server_result_lines {
     const struct gd_path *paths;
-    const double *levels; /* as in struct gd_result; NULL: none */
+    const double *levels; /* as in struct gd_result; may be NULL */
     uint32_t count;
 };
 
-/* As server_result_write, for paths, one line each, in the query's form, which must be one of
+/* Like server_result_write, for paths, one line each, in the query's form, which must be one of
  * SERVER_RESULT_LINE_FORMS. */
 bool server_result_write_lines(const struct server_query *query,
                                const struct server_result_lines *lines,

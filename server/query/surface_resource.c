@@ -149,7 +149,7 @@ enum gd_status server_derived_mesh_copy(void *to, const void *from, size_t size,
 struct draft {
     const char *name, *file;
     size_t size;
-    const struct server_attachment *attachment; /* NULL: none */
+    const struct server_attachment *attachment; /* NULL means that there is none */
     const struct gd_control *control;
 };
 

@@ -9,9 +9,9 @@
 #include "server/surfaces/registry.h"
 
 /* Builds the surface of a record from the bytes of its file, and stores the description in the
- * record. `part` is the part of the exchange's progress. `attachment` (NULL: none) is malloc'ed and
- * counted as SERVER_BUDGET_FLIGHT; the call owns it, even when it fails. On failure, returns NULL
- * with the problem. */
+ * record. `part` is the part of the exchange's progress. `attachment` (may be NULL) is malloc'ed
+ * and counted as SERVER_BUDGET_FLIGHT; the call owns it, even when it fails. On failure, returns
+ * NULL with the problem. */
 struct server_surface *server_surface_resource_build(struct server_monitor *part,
                                                      struct server_record *record,
                                                      const void *bytes, void *attachment,
@@ -55,13 +55,13 @@ struct server_attachment {
 struct server_derived_mesh {
     struct server_surface *surface;
     char *file;  /* record->size bytes */
-    bool is_new; /* set when the mesh is stored; true: the name was free */
+    bool is_new; /* set when the mesh is stored; true if the name was free */
 };
 
 #define SERVER_DERIVED_MESHES_MOST 64 /* largest number of meshes of one request */
 
 struct server_derived_meshes {        /* all zero at first */
-    struct server_exchange *exchange; /* set by the caller; NULL: no mesh was added */
+    struct server_exchange *exchange; /* set by the caller; NULL means that no mesh was added */
     struct server_derived_mesh list[SERVER_DERIVED_MESHES_MOST];
     uint32_t count;
     size_t held; /* bytes of SERVER_BUDGET_FLIGHT */
@@ -70,7 +70,7 @@ struct server_derived_meshes {        /* all zero at first */
 void server_derived_meshes_free(struct server_derived_meshes *meshes); /* accepts all zero */
 
 /* Builds a mesh to be stored under that name of the exchange's tenant. Borrows polygons and
- * attachment (NULL: none). False with the problem: an invalid or repeated name, polygons that are
+ * attachment (may be NULL). False with the problem: an invalid or repeated name, polygons that are
  * not a mesh or are too large, more than SERVER_DERIVED_MESHES_MOST meshes, and lack of memory. */
 bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char *name,
                                const struct gd_polygons *polygons,

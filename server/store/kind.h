@@ -24,7 +24,7 @@ struct server_surface;
 struct server_file {
     const void *bytes;
     size_t size;
-    const char *content_type; /* the header Content-Type; NULL: the request had none */
+    const char *content_type; /* the header Content-Type; NULL means that the request had none */
 };
 
 struct server_built { /* an object of a kind, and the bytes that it holds */
@@ -64,7 +64,7 @@ extern const struct server_kind server_kind_mesh, server_kind_nurbs, server_kind
 /* All kinds, NULL-terminated. Defined in surfaces/kinds.c. */
 extern const struct server_kind *const server_kinds[];
 
-/* Return the kind with that word or plural; NULL: there is none. */
+/* Return the kind with that word or plural, or NULL if there is none. */
 const struct server_kind *server_kind_by_word(const char *word);
 const struct server_kind *server_kind_by_plural(const char *plural);
 

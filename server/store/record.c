@@ -226,8 +226,8 @@ static bool has_checksum(const char *text, size_t size)
     return memcmp(text + size - CHECKSUM_LINE, line, CHECKSUM_LINE) == 0;
 }
 
-/* Splits the next line off `*rest`. Returns the value of the line; NULL: the line has another
- * name. */
+/* Splits the next line off `*rest`. Returns the value of the line; NULL means that the line has
+ * another name. */
 static char *line_take(char **rest, const char *name)
 {
     char *line = strsep(rest, "\n");

@@ -62,7 +62,7 @@ struct server_object {
 
 struct server_record {
     atomic_uint references;
-    _Atomic(struct server_attached *) attached; /* NULL: nothing */
+    _Atomic(struct server_attached *) attached; /* NULL means nothing */
     const struct server_kind *kind;
     char tenant[SERVER_TENANT + 1];
     char name[PROTO_MESH_NAME + 1];
@@ -75,7 +75,7 @@ struct server_record {
     char options[SERVER_OPTIONS];
     uint64_t memory;
     int64_t created;
-    char *caption; /* owned; NULL: empty. Read it with server_record_caption */
+    char *caption; /* owned; NULL if empty. Read it with server_record_caption */
     /* JSON without the caption, NUL-terminated, one line, owned */
     char *description;
     struct server_budget *budget; /* budget that counts the record, or NULL */
@@ -87,7 +87,7 @@ struct server_origin {
     const char *sha256; /* of the file */
     size_t size;
     const char *options;           /* written by the kind's read_options */
-    const char *attachment_sha256; /* NULL: there is none */
+    const char *attachment_sha256; /* NULL means that there is none */
     size_t attachment_size;
 };
 

@@ -27,7 +27,7 @@ struct server_statement {
     const char *text; /* SQL with the parameters $1, $2, … */
     const struct server_sql_value *values;
     int count;
-    server_sql_visit *visit; /* NULL: the rows are ignored */
+    server_sql_visit *visit; /* NULL means that the rows are ignored */
     void *user;
 };
 
@@ -45,7 +45,7 @@ static inline struct server_sql_value server_sql_integer(int64_t integer)
     return (struct server_sql_value){.type = SERVER_SQL_INTEGER, .integer = integer};
 }
 
-/* Returns a text value; NULL: the SQL value NULL. */
+/* Returns a text value; NULL means the SQL value NULL. */
 static inline struct server_sql_value server_sql_text(const char *text)
 {
     if (!text) return (struct server_sql_value){.type = SERVER_SQL_NULL};
@@ -102,7 +102,7 @@ struct server_store_sql {
     /* Runs a statement. DONE, UNAVAILABLE, FULL, NO_MEMORY, REFUSED, READ_ONLY. */
     enum server_outcome (*run)(struct server_store_sql *sql,
                                const struct server_statement *statement);
-    bool is_shared; /* true: several daemons share the database */
+    bool is_shared; /* true if several daemons share the database */
     /* The end of a statement that locks rows and skips rows that others have locked. Empty for
        SQLite. */
     const char *skip_locked;

@@ -25,7 +25,7 @@
 
 /* The bytes of a surface's objects; their sizes are in the record. Borrowed. */
 struct server_content {
-    const void *parts[SERVER_PARTS]; /* NULL: the surface has no such part */
+    const void *parts[SERVER_PARTS]; /* NULL means that the surface has no such part */
 };
 
 /* The number of uses of a surface since it was created. After a start the most used surfaces are
@@ -38,20 +38,20 @@ struct server_store_uses {
 /* A surface, or a change of it by another daemon or this one. */
 struct server_stored {
     const char *key; /* set if the struct describes a change */
-    /* a visitor that keeps the record retains it; NULL: the surface was removed */
+    /* a visitor that keeps the record retains it; NULL means that the surface was removed */
     struct server_record *record;
     struct server_store_uses uses;
-    uint64_t version; /* 0: the store is not shared */
+    uint64_t version; /* 0 means that the store is not shared */
 };
 
 /* Types of visitors, which return false to end the visit. */
 typedef bool server_stored_visit(void *user, const struct server_stored *stored);
 typedef bool server_pace(void *user, size_t bytes); /* called for each piece that was read */
 
-/* The functions of a back-end; NULL: the back-end does not need this function. Every back-end has
- * close. If put is set, so is remove; the same holds for fetch and verify, and for follow and
- * await. A store without put stores nothing. Without fetch, surfaces can't be unloaded. Without
- * follow, the store is not shared. */
+/* The functions of a back-end; NULL means that the back-end does not need this function. Every
+ * back-end has close. If put is set, so is remove; the same holds for fetch and verify, and for
+ * follow and await. A store without put stores nothing. Without fetch, surfaces can't be unloaded.
+ * Without follow, the store is not shared. */
 struct server_store {
     /* Visits all surfaces, in any order. For a shared store this function is called again after
        follow has returned STALE. Returns DONE, UNAVAILABLE or NO_MEMORY. */
@@ -96,8 +96,8 @@ struct server_store {
     void (*await)(struct server_store *store, uint64_t ns);
     void (*note_uses)(struct server_store *store, const struct server_record *const *records,
                       const struct server_store_uses *uses, uint32_t count);
-    /* Returns a sentence with the reason why the store can't write or can't be reached; NULL: the
-       store works. The store owns the sentence. */
+    /* Returns a sentence with the reason why the store can't write or can't be reached; NULL means
+       the store works. The store owns the sentence. */
     const char *(*health)(struct server_store *store);
     void (*close)(struct server_store *store); /* frees it */
 };
@@ -134,7 +134,7 @@ bool server_postgres_each_file(const char *url, void (*visit)(void *user, const 
  * false if there are faults or the folder can't be checked. */
 bool server_store_check(const char *folder, FILE *out);
 
-/* As server_store_check, for a PostgreSQL store, which may be in use. Checks each row and each
+/* Like server_store_check, for a PostgreSQL store, which may be in use. Checks each row and each
  * named object. */
 bool server_store_check_postgres(const char *url, FILE *out);
 

@@ -24,7 +24,7 @@ struct server_background_parts { /* all borrowed */
     struct server_workers *workers;
     struct server_workspaces *workspaces;
     struct server_registry *registry;
-    struct server_field_store *field_store; /* NULL: results are not stored */
+    struct server_field_store *field_store; /* NULL means results are not stored */
 };
 
 struct server_build { /* A build of the result for one slot. */
@@ -39,7 +39,8 @@ struct server_background { /* the owner sets the first members */
     struct server_background_parts parts;
     /* Computes the result, without the lock. Returns NULL on failure. */
     struct server_lru_item *(*make)(struct server_build *build);
-    /* Called under the lock at the end of a build. `is_kept`: the result is in the slot. */
+    /* Called under the lock at the end of a build. `is_kept` is true if the result is in the
+       slot. */
     void (*ended)(const struct server_build *build, bool is_kept);
     struct server_thread *thread;
     LIST_HEAD(, server_background_slot) waiting;

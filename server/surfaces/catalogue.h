@@ -78,8 +78,8 @@ enum server_catalogue_finding server_catalogue_find(struct server_catalogue *cat
 bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
                           struct server_resource **resource);
 
-/* Removes the resource of that id, and returns it with a reference for the caller; NULL: there is
- * none. */
+/* Removes the resource of that id, and returns it with a reference for the caller, or NULL if there
+ * is none. */
 struct server_resource *server_catalogue_remove(struct server_catalogue *catalogue, const char *id);
 
 /* Lists up to `most` resources with ids after `after` (NULL: all ids), in order. Each resource is

@@ -236,7 +236,7 @@ struct saving {
     struct server_field_store *store;
     uint64_t until_ns;
     struct server_names kept; /* names of files */
-    bool is_over;             /* true: the time is over, or the disk is full */
+    bool is_over;             /* true if the time is over, or the disk is full */
 };
 
 static void field_save(struct saving *saving, const char *folder, const struct gd_field *field)

@@ -67,7 +67,7 @@ bool server_field_store_read_preview(struct server_field_store *store,
                                      const struct server_surface *surface,
                                      struct server_stored_preview *preview);
 
-/* As server_field_store_write_landmarks, for the preview. */
+/* Like server_field_store_write_landmarks, for the preview. */
 void server_field_store_write_preview(struct server_field_store *store,
                                       struct server_registry *registry,
                                       const struct server_surface *surface,

@@ -23,7 +23,7 @@ __attribute__((weak)) const struct server_kind *const server_kinds[] = {
 
 struct build {
     const struct server_builder *builder;
-    bool is_refused; /* true: the problem is set */
+    bool is_refused; /* true if the problem is set */
     struct gd_detail detail;
     bool is_read;
     double begun, share; /* the current step is the part [begun, begun + share] of the progress */
@@ -33,7 +33,7 @@ struct build {
     struct proto_subdivision_options subdivision_options;
     struct gd_control_mesh file; /* contents of the file; for a mesh, its polygons */
     enum gd_scheme scheme;
-    void *object; /* NULL: there is none yet */
+    void *object; /* NULL means that there is none yet */
 };
 
 /* A step. Sets `*kept` to the bytes that its result holds. */

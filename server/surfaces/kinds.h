@@ -12,7 +12,7 @@
 struct server_nurbs {
     struct gd_parametric *surface;
     struct proto_nurbs_form form;
-    /* NULL: there is none; `refusal` and `detail` give the reason */
+    /* NULL means that there is none; `refusal` and `detail` give the reason */
     struct gd_tessellation *tessellation;
     enum gd_status refusal;
     struct gd_detail detail;

@@ -1,6 +1,6 @@
 /* Landmarks: the distances from a few vertices of a mesh. They make searches for pairs faster.
  *
- *     set = server_landmarks_find(landmarks, surface);                       NULL: none yet
+ *     set = server_landmarks_find(landmarks, surface); may be NULL
  *     ... a search with set ? set->landmarks : NULL; both give the same answer ...
  *     server_landmark_set_release(set);
  *
@@ -39,7 +39,7 @@ void server_landmark_set_release(struct server_landmark_set *set); /* NULL is al
 
 struct server_landmarks_statistics {
     uint64_t built, loaded, dropped; /* sets */
-    bool is_building;                /* true: a set is being built, or a slot is queued */
+    bool is_building;                /* true if a set is being built, or a slot is queued */
 };
 /* `landmarks` NULL: zeros. */
 struct server_landmarks_statistics server_landmarks_statistics(struct server_landmarks *landmarks);

@@ -15,7 +15,7 @@ struct server_loader {
     pthread_mutex_t lock;
     /* current loads: at most one for each worker, and one of the thread */
     LIST_HEAD(, load) loads;
-    struct server_thread *thread; /* NULL: the thread was not started */
+    struct server_thread *thread; /* NULL means that the thread was not started */
 };
 
 struct load {

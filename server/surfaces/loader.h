@@ -16,7 +16,7 @@ struct server_loader_parts { /* all borrowed */
     struct server_workers *workers;
     struct server_cache *cache;
     struct server_registry *registry;
-    struct server_field_store *field_store; /* NULL: fields are not restored */
+    struct server_field_store *field_store; /* NULL means fields are not restored */
     uint32_t max_faces;
 };
 

@@ -29,13 +29,13 @@ struct server_registry {
     pthread_mutex_t following;
     uint64_t seen; /* all changes up to this version are applied; guarded by `following` */
     atomic_uint_least64_t followed_ns; /* time at which the last successful following began */
-    struct server_thread *follower;    /* NULL: the store is not shared */
+    struct server_thread *follower;    /* NULL means that the store is not shared */
 };
 
 /* --- slots ------------------------------------------------------------------------------------ */
 
-/* Under the lock: returns the slot of that record. NULL: the record's key has another record or
- * none. */
+/* Under the lock: returns the slot of that record. NULL means that the record's key has another
+ * record or none. */
 static struct server_slot *slot_of_record(const struct server_registry *registry,
                                           const struct server_record *record)
 {
@@ -83,8 +83,8 @@ static size_t registry_unloadable(void *user)
     return bytes;
 }
 
-/* Removes the least recently used surface that can be unloaded from its slot, and returns it; NULL:
- * there is none. */
+/* Removes the least recently used surface that can be unloaded from its slot, and returns it, or
+ * NULL if there is none. */
 static struct server_surface *surface_take_coldest(struct server_registry *registry,
                                                    bool without_fields)
 {
@@ -407,12 +407,13 @@ static void follow_changes(void *user, struct server_thread *thread)
 
 struct change {
     struct server_key key;
-    /* surface to be stored; NULL: the current surface gets a new caption or is removed */
+    /* surface to be stored; NULL means that the current surface gets a new caption or is removed */
     struct server_surface *surface;
     struct server_content content;
-    const char *caption;           /* the new caption; NULL: the caption does not change */
+    /* the new caption; NULL means that the caption does not change */
+    const char *caption;
     struct server_record *amended; /* the record with the new caption, after it was made */
-    /* the condition; NULL: the key must have this record */
+    /* the condition; NULL means that the key must have this record */
     const struct server_precondition *precondition;
     struct server_slot *slot,
         *left; /* slot: the slot to insert; left: the replaced or removed slot; both may be NULL */

@@ -55,7 +55,8 @@ enum server_outcome server_registry_caption(struct server_registry *registry,
                                             const struct server_key *key, const char *caption,
                                             const struct server_precondition *precondition);
 
-/* Returns true if the preconditions allow a change of that record; NULL: there is no record. */
+/* Returns true if the preconditions allow a change of that record; NULL means that there is no
+ * record. */
 bool server_registry_allows(const struct server_precondition *precondition,
                             const struct server_record *record);
 
@@ -73,7 +74,7 @@ bool server_registry_use(struct server_registry *registry, const struct server_k
                          struct server_surface **out);
 
 /* Lists up to `most` surfaces of the tenant and kind of `after`, in byte order of names. Each
- * surface is retained. Their names are after the name in `after` (NULL: all) and begin with
+ * surface is retained. Their names are after the name in `after` (NULL means all) and begin with
  * `prefix` (NULL: any). Returns their number. */
 uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after,
                               const char *prefix, uint32_t most, struct server_listed *out);
@@ -121,7 +122,7 @@ struct server_registry_statistics {
 };
 struct server_registry_statistics server_registry_statistics(struct server_registry *registry);
 
-/* Returns a sentence with the reason why the store can't write; NULL: it can. */
+/* Returns a sentence with the reason why the store can't write; NULL means that it can. */
 const char *server_registry_health(struct server_registry *registry);
 
 #endif

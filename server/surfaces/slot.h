@@ -9,7 +9,7 @@
 
 struct server_listed {
     struct server_record *record;
-    struct server_surface *surface; /* NULL: not in memory */
+    struct server_surface *surface; /* NULL if not in memory */
 };
 void server_listed_release(struct server_listed *listed); /* accepts all zero */
 

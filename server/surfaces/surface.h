@@ -18,12 +18,12 @@ struct server_background;
 /* See background.h. An empty slot is all zero, except for `surface`. */
 struct server_background_slot {
     struct server_surface *surface;            /* the surface that contains the slot */
-    _Atomic(struct server_background *) owner; /* NULL: never used by a request */
+    _Atomic(struct server_background *) owner; /* NULL never used by a request */
     atomic_bool is_closed;
     atomic_uint progress; /* progress of the build, up to SERVER_BACKGROUND_DONE */
     /* guarded by the owner's lock: */
-    struct server_lru_item *item;               /* NULL: empty */
-    bool is_coming;                             /* true: the result is queued or being computed */
+    struct server_lru_item *item;               /* NULL if empty */
+    bool is_coming;                             /* true if the result is queued or being computed */
     LIST_ENTRY(server_background_slot) waiting; /* link in the list of waiting slots */
 };
 
@@ -51,7 +51,7 @@ struct server_surface {
         void *object;
         struct gd_mesh *mesh;
     };
-    void *attachment; /* record->attachment_size bytes, owned; NULL: there is none */
+    void *attachment; /* record->attachment_size bytes, owned; may be NULL */
     /* bytes of object and attachment, counted in SERVER_BUDGET_MESHES until the last release */
     size_t bytes;
     struct server_budget *budget;
@@ -61,8 +61,8 @@ struct server_surface {
 };
 
 /* Creates a surface. Takes over the object, which must have the record's kind, and `bytes` of
- * SERVER_BUDGET_FLIGHT. Retains the record. NULL: out of memory; then the caller still owns object
- * and bytes. */
+ * SERVER_BUDGET_FLIGHT. Retains the record. NULL means out of memory; then the caller still owns
+ * object and bytes. */
 struct server_surface *server_surface_create(struct server_record *record, void *object,
                                              size_t bytes, struct server_budget *budget,
                                              struct server_cache *cache);

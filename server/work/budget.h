@@ -76,7 +76,7 @@ void server_budget_init(struct server_budget *budget, size_t limit);
  * enough room. */
 bool server_budget_take(struct server_budget *budget, enum server_budget_class class, size_t bytes);
 
-/* As server_budget_take, without reclaiming. */
+/* Like server_budget_take, without reclaiming. */
 bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class,
                               size_t bytes);
 
@@ -101,8 +101,8 @@ void server_budget_adjust(struct server_budget *budget, enum server_budget_class
 size_t server_budget_available(struct server_budget *budget);
 bool server_budget_could_take(struct server_budget *budget, size_t bytes);
 
-/* Sets the problem that `what` ("the mesh") needs `bytes`; 0: an unknown number that is too large.
- * Returns false. */
+/* Sets the problem that `what` ("the mesh") needs `bytes`; 0 means that an unknown number that is
+ * too large. Returns false. */
 bool server_budget_refuse(struct server_budget *budget, const char *what, size_t bytes,
                           struct proto_problem *problem);
 

@@ -38,7 +38,7 @@ struct server_budget *server_workspaces_budget(const struct server_workspaces *w
 void server_workspaces_destroy(struct server_workspaces *workspaces);
 
 struct server_space { /* private: a borrowed workspace */
-    /* NULL: memory was short, and the call allocates its own memory */
+    /* NULL means that memory was short, and the call allocates its own memory */
     struct gd_workspace *workspace;
     size_t bytes; /* bytes that the budget counts for the workspace */
 };
@@ -48,7 +48,7 @@ struct server_budgeted_call {
     struct gd_control control; /* the loop sets its budget and workspace for each attempt */
     size_t grant;              /* bytes that most such calls need */
     size_t aside;              /* bytes that the call allocates in addition to its budget */
-    /* true: the call uses only free memory, reclaims nothing, and makes one attempt */
+    /* true if the call uses only free memory, reclaims nothing, and makes one attempt */
     bool is_modest;
     size_t *held; /* increased by `kept` when the call succeeds; may be NULL */
     /* the loop's body sets the status of an attempt; after the loop this is the status of the
@@ -56,9 +56,9 @@ struct server_budgeted_call {
     enum gd_status status;
     size_t kept;               /* the loop's body sets the bytes of the result */
     struct server_space space; /* this and the rest are private */
-    size_t taken;              /* bytes taken by the current attempt; 0: none */
-    bool is_last;              /* true: the attempt has all available memory, and runs alone */
-    bool is_crowded;           /* true: the attempt has the memory that other calls do not use */
+    size_t taken;              /* bytes taken by the current attempt; 0 means none */
+    bool is_last;              /* true if the attempt has all available memory, and runs alone */
+    bool is_crowded;           /* true if the attempt has the memory that other calls do not use */
 };
 
 /* Ends an attempt and begins the next one. Returns false when the call has succeeded or failed; the

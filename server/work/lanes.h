@@ -29,12 +29,12 @@ enum server_refusal { SERVER_REFUSAL_DEADLINE, SERVER_REFUSAL_DRAINING, SERVER_R
 struct server_job {
     struct server_job *next;
     uint64_t deadline_ns; /* on the clock of gd_now_ns() */
-    /* tenant whose lane the job uses; NULL: the tenant of the submitting job */
+    /* tenant whose lane the job uses; NULL means the tenant of the submitting job */
     const char *tenant;
     struct server_lane *lane; /* used by the workers */
     const void *parked_at;    /* see server_workers_park */
-    uint64_t parked_until_ns; /* 0: no limit */
-    bool is_patient;          /* true: no client waits for the job on a connection */
+    uint64_t parked_until_ns; /* 0 means no limit */
+    bool is_patient;          /* true if no client waits for the job on a connection */
     atomic_bool is_unwanted;  /* set by any thread; has the effect of a passed deadline */
     void (*run)(struct server_job *job);
     void (*refuse)(struct server_job *job, enum server_refusal why);
@@ -67,7 +67,7 @@ struct server_lanes {
     struct server_lane *active;
     uint32_t queued[SERVER_LANE_KINDS], running[SERVER_LANE_KINDS];
     uint32_t length, workers;
-    bool is_shared; /* true: tenants share the queue */
+    bool is_shared; /* true if tenants share the queue */
     unsigned turns; /* number of urgent jobs that were taken while a patient job waited */
 };
 
@@ -82,8 +82,8 @@ struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tena
 bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job,
                        bool is_first);
 
-/* Takes the next job, which counts as running until server_lanes_end. NULL: there is no job for
- * this worker. */
+/* Takes the next job, which counts as running until server_lanes_end. NULL means that there is no
+ * job for this worker. */
 struct server_job *server_lanes_take(struct server_lanes *lanes, bool is_spare);
 
 /* Records that a job of that lane and kind has run for `ns`. */

@@ -22,7 +22,7 @@ struct server_workers {
     /* number of threads; those after the first `thread_count` are spare */
     atomic_uint started;
     struct server_job *parked; /* see server_workers_park */
-    bool is_leaving;           /* true: each thread ends after its current job */
+    bool is_leaving;           /* true if each thread ends after its current job */
     atomic_bool cancelled;
     struct server_thread *threads[]; /* 2 * `thread_count` entries */
 };

@@ -1,5 +1,5 @@
-"""Daemons that share a database: uploads to any node, queries on every node, changes that reach all
-nodes, and a database that fails and recovers."""
+"""Tests daemons that share a database: uploads to any node, queries on every node, changes that
+reach all nodes, and a database that fails and recovers."""
 import concurrent.futures
 import hashlib
 import json
@@ -189,7 +189,7 @@ class Acknowledged:
                 if not answer.headers["Retry-After"]:
                     self.faults.append("503 without Retry-After")
                 time.sleep(0.02)
-                self.known.pop(name, None)  # unknown until the change is repeated
+                self.known.pop(name, None)  # the state is unknown until the change is repeated
                 continue
             before, was_unsure = self.known.get(name), name not in self.known
             expected = ({204, 404} if was_unsure else {204 if before else 404}) if deletes else ({200, 201} if was_unsure else {200 if before else 201})

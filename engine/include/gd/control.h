@@ -17,16 +17,16 @@
 GD_EXTERN_C_BEGIN
 
 struct gd_control {
-    /* largest number of bytes held at any time, including the result; 0: no limit */
+    /* largest number of bytes held at any time, including the result; 0 means no limit */
     size_t budget_bytes;
-    uint64_t deadline_ns; /* on the clock of gd_now_ns(); 0: no deadline */
+    uint64_t deadline_ns; /* on the clock of gd_now_ns(); 0 means no deadline */
     /* Called on the calling thread with the completed fraction of the work, in [0,1], never
        decreasing. Return false to cancel the call. May be NULL. */
     bool (*progress)(void *user, double fraction);
     void *user;
-    struct gd_workspace *workspace; /* memory reused between calls, gd/workspace.h; NULL: none */
+    struct gd_workspace *workspace; /* memory reused between calls, gd/workspace.h; may be NULL */
     /* Threads for parallel functions: gd_field_build, gd_field_resume and functions that call them.
-       NULL: only the calling thread. */
+       NULL means only the calling thread. */
     const struct gd_executor *executor;
 };
 

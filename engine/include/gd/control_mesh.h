@@ -12,7 +12,8 @@ GD_EXTERN_C_BEGIN
 
 struct gd_crease {
     uint32_t vertices[2]; /* the ends of an edge */
-    double sharpness;     /* >= 0; 0: smooth; at least GD_SHARPNESS_INFINITE: infinitely sharp */
+    /* >= 0; 0 means smooth; at least GD_SHARPNESS_INFINITE: infinitely sharp */
+    double sharpness;
 };
 
 struct gd_corner {

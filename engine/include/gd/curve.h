@@ -45,7 +45,7 @@ struct gd_curve_request {
     const struct gd_point *points;
     const struct gd_vertex *vertices;
     uint32_t boundary;                    /* number of the boundary loop, as in gd_mesh_boundary */
-    const struct gd_landmarks *landmarks; /* of the same mesh, to speed up searches; NULL: none */
+    const struct gd_landmarks *landmarks; /* of the same mesh, to speed up searches; may be NULL */
 };
 
 /* Computes the curve of a request; the caller frees it by gd_curve_free. A point equal to its

@@ -1,5 +1,5 @@
 /* Curve distance: the exact least distance between two curves on a surface, and the greatest
- * distance of one from the other.
+ * distance of one curve from the other curve.
  *
  *     gd_curve_seeds(&a, 0, seeds);                     // the field of one curve, built once
  *     ... gd_field_build(mesh, &request, NULL, &field_of_a, NULL);
@@ -30,7 +30,7 @@ struct gd_curve_place {
 };
 
 struct gd_curve_distance {
-    /* INFINITY: no path between the curves; the other members are then undefined */
+    /* INFINITY means no path between the curves; the other members are then undefined */
     double distance;
     struct gd_curve_place a, b;
     struct gd_path path; /* from a to b */

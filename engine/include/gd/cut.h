@@ -21,7 +21,7 @@ GD_EXTERN_C_BEGIN
 struct gd_cut_request { /* all borrowed */
     /* closed, or from one boundary point to another; may cross itself */
     const struct gd_curve *curve;
-    /* returns only the piece that contains this point; NULL: returns all pieces */
+    /* returns only the piece that contains this point; NULL returns all pieces */
     const struct gd_point *inside;
     bool select_only; /* assigns whole faces to pieces instead of making meshes */
 };
@@ -30,18 +30,20 @@ struct gd_cut_piece {
     /* Triangles in the caller's unit. First come vertices of the parent mesh in order of their
        indices, then new vertices. Empty with select_only. */
     struct gd_polygons polygons;
-    /* per position: index of the parent's vertex; GD_NONE: new vertex. NULL with select_only */
+    /* for each position, index of the parent's vertex; GD_NONE means new vertex. NULL with
+       select_only */
     uint32_t *vertex_map;
-    /* Per triangle: the parent's face that contains it, in ascending order. With select_only: the
-       faces of the region. Each face of the parent then belongs to one region: a crossed face to
-       the region with most of its area, in a tie to the first. */
+    /* For each triangle, the parent's face that contains it, in ascending order. With select_only:
+       the faces of the region. Each face of the parent then belongs to one region: a crossed face
+       to the region with most of its area, in a tie to the first. */
     uint32_t *face_map;
     uint32_t face_count;
     double area; /* exact area on this side of the curve, also with select_only */
 };
 
 struct gd_cut {
-    bool separates; /* true: the cut mesh has more components; false: the cut only opens the mesh */
+    /* true if the cut mesh has more components; false if the cut only opens the mesh */
+    bool separates;
     uint32_t piece_count;
     /* One piece for each component of the cut mesh, also if the curve does not meet it; ordered by
        lowest face. */

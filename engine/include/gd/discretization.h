@@ -21,7 +21,7 @@ struct gd_discretize_options {
     /* > 0: replaces `level` by the largest distance between triangles and surface; each face gets
        the level that it needs */
     double tolerance;
-    uint32_t max_faces; /* largest number of triangles; 0: 2^28 */
+    uint32_t max_faces; /* largest number of triangles; 0 means 2^28 */
 };
 
 /* `polygons` are triangles. The other arrays have one entry for each vertex. */

@@ -44,10 +44,10 @@ GD_MUST_USE enum gd_status gd_edit_deviation(const struct gd_mesh *mesh,
                                              struct gd_detail *detail);
 
 struct gd_simplify_options {
-    /* stops at this number of faces; 0: stops when `max_distance` allows no further collapse */
+    /* stops at this number of faces; 0 stops when `max_distance` allows no further collapse */
     uint32_t faces;
-    double max_distance; /* limit on largest_distance, a length; 0: none */
-    /* true: boundary edges do not change; false: a quadric penalises changes of the boundary */
+    double max_distance; /* limit on largest_distance, a length; 0 means none */
+    /* true if boundary edges do not change; false if a quadric penalises changes of the boundary */
     bool keep_boundary;
 };
 

@@ -35,8 +35,8 @@ struct gd_seed {
 struct gd_field_request {
     const struct gd_seed *seeds; /* borrowed; at least one */
     uint32_t seed_count;
-    double radius; /* largest distance; 0: no limit */
-    /* stops as soon as this point's distance is final (Property 5 of the paper); NULL: none */
+    double radius; /* largest distance; 0 means no limit */
+    /* stops as soon as this point's distance is final (Property 5 of the paper); may be NULL */
     const struct gd_point *target;
 };
 
@@ -66,17 +66,17 @@ GD_MUST_USE enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
                                                    const struct gd_control *control, double *out,
                                                    struct gd_detail *detail);
 
-/* Extends a partial field to `radius` (0: no limit): copies the wedges of `partial` and propagates
- * beyond its reach. `partial` does not change. The distances equal those of a field built for the
- * radius, up to rounding. The statistics count the work for `partial` and for the extension.
- * `control` and `detail` may be NULL. In two cases the function builds the field from the seeds
- * instead. This is faster if `control` has an executor of width 2 or more, at least half of the
- * vertices lie beyond the reach, and gd_field_build would divide the propagation between two tasks.
- * It is more accurate if the reach is below 1e-3 of the longest edge, or the shortest edge is below
- * 1e-6 of the longest. The caller owns one reference of `*out`. Errors: GD_INVALID_ARGUMENT (the
- * radius is negative or not a number, `partial` already reaches that far, or `partial` comes from a
- * damaged image), and those of gd_field_build except for the request. Cost: a copy of `partial`,
- * and the propagation beyond it. Thread-safe. */
+/* Extends a partial field to `radius` (0 means no limit): copies the wedges of `partial` and
+ * propagates beyond its reach. `partial` does not change. The distances equal those of a field
+ * built for the radius, up to rounding. The statistics count the work for `partial` and for the
+ * extension. `control` and `detail` may be NULL. In two cases the function builds the field from
+ * the seeds instead. This is faster if `control` has an executor of width 2 or more, at least half
+ * of the vertices lie beyond the reach, and gd_field_build would divide the propagation between two
+ * tasks. It is more accurate if the reach is below 1e-3 of the longest edge, or the shortest edge
+ * is below 1e-6 of the longest. The caller owns one reference of `*out`. Errors:
+ * GD_INVALID_ARGUMENT (the radius is negative or not a number, `partial` already reaches that far,
+ * or `partial` comes from a damaged image), and those of gd_field_build except for the request.
+ * Cost: a copy of `partial`, and the propagation beyond it. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_resume(const struct gd_field *partial, double radius,
                                            const struct gd_control *control, struct gd_field **out,
                                            struct gd_detail *detail);
@@ -109,24 +109,24 @@ struct gd_field_statistics {
 
 const struct gd_field_statistics *gd_field_statistics(const struct gd_field *field);
 
-/* Computes the distance at a point. INFINITY: no path (another component). Error: GD_BEYOND_REACH
- * (the distance may exceed the reach of a partial field). O(wedges of a face's edges).
- * Thread-safe. */
+/* Computes the distance at a point. INFINITY means no path (another component). Error:
+ * GD_BEYOND_REACH (the distance may exceed the reach of a partial field). O(wedges of a face's
+ * edges). Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_distance(const struct gd_field *field,
                                              const struct gd_point *point, double *out);
 
 /* Computes the distances at `count` points, to the last bit as gd_field_distance, and writes them
- * to `out` in the order of `points`. INFINITY: no path; NaN: beyond the reach of a partial field.
- * `control` may be NULL; `out` is untouched on failure. Faster than single calls for many or
- * unordered points, because it evaluates points in the mesh's order of faces and prefetches data.
- * Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Holds up to 16 bytes a point while it
- * runs. Thread-safe. */
+ * to `out` in the order of `points`. INFINITY means no path; NaN means beyond the reach of a
+ * partial field. `control` may be NULL; `out` is untouched on failure. Faster than single calls for
+ * many or unordered points, because it evaluates points in the mesh's order of faces and prefetches
+ * data. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Holds up to 16 bytes a point
+ * while it runs. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_distances(const struct gd_field *field,
                                               const struct gd_point *points, uint32_t count,
                                               const struct gd_control *control, double *out);
 
 /* Writes the distance at every vertex index of the input to `out`, which has index_count entries.
- * INFINITY: no path, or beyond the reach. NaN: an unreferenced vertex. O(vertices). */
+ * INFINITY means no path, or beyond the reach. NaN means an unreferenced vertex. O(vertices). */
 void gd_field_vertex_distances(const struct gd_field *field, double *out);
 
 /* Returns the number of seeds of the request. O(1). */
@@ -182,10 +182,10 @@ GD_MUST_USE enum gd_status gd_field_farthest(const struct gd_field *field,
 struct gd_wedge {
     double b0, b1, d0, d1, sigma;
     bool tau;
-    /* true: the source is a segment, d0 and d1 are distances from its line, sigma is the seed's
+    /* true if the source is a segment, d0 and d1 are distances from its line, sigma is the seed's
        offset */
     bool linear;
-    bool at_vertex;  /* true: the pseudo-source is a vertex; false: a seed */
+    bool at_vertex;  /* true if the pseudo-source is a vertex; false if a seed */
     uint32_t source; /* input index of that vertex, or number of that seed */
 };
 
@@ -229,7 +229,7 @@ void gd_field_write_image(const struct gd_field *field, void *bytes);
 struct gd_field_image {
     const void *bytes; /* 8-byte aligned */
     size_t size;
-    void (*release)(void *user); /* NULL: none */
+    void (*release)(void *user); /* NULL means that there is none */
     void *user;
 };
 

@@ -54,7 +54,7 @@ struct gd_load_options {
     enum gd_format format;
     uint32_t max_faces, max_vertices; /* see gd_read_options */
     struct gd_mesh_options mesh;      /* triangulation, weld, repair */
-    const struct gd_control *control; /* borrowed for the call; NULL: none */
+    const struct gd_control *control; /* borrowed for the call; may be NULL */
 };
 
 /* Reads a mesh file in any format of gd/io.h and builds its mesh. `bytes` are borrowed for the
@@ -69,8 +69,8 @@ GD_MUST_USE enum gd_status gd_mesh_load(const void *bytes, size_t size,
                                         struct gd_detail *error);
 
 /* Computes the length of a shortest path between two points of the mesh, in the mesh's unit.
- * INFINITY: the points lie on different components. gd_pair_solve does the same, and accepts
- * landmarks and a control. For distances of many points from one source, build a field.
+ * INFINITY means that the points lie on different components. gd_pair_solve does the same, and
+ * accepts landmarks and a control. For distances of many points from one source, build a field.
  *
  * Errors: GD_NO_MEMORY, GD_RUNAWAY, GD_INTERNAL (see gd_field_build). Cost: a small part of the
  * cost of a field. Thread-safe. */

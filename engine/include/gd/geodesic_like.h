@@ -33,24 +33,26 @@ GD_EXTERN_C_BEGIN
 
 /* All zero: the shortest path, as cubic splines, to GD_GEODESIC_TOLERANCE. */
 struct gd_geodesic_options {
-    /* degree of the spline, GD_GEODESIC_DEGREE_LEAST to GD_GEODESIC_DEGREE_MOST; 0:
+    /* degree of the spline, GD_GEODESIC_DEGREE_LEAST to GD_GEODESIC_DEGREE_MOST; 0 means
        GD_GEODESIC_DEGREE */
     uint32_t degree;
     /* > degree: the paper's curve, one B-spline with this number of control points, which ignores
-       the surface's lines; 0: as many as the tolerance needs */
+       the surface's lines; 0 means as many as the tolerance needs */
     uint32_t control_points;
-    /* relative error of the length, GD_GEODESIC_TOLERANCE_LEAST to 1; 0: GD_GEODESIC_TOLERANCE */
+    /* relative error of the length, GD_GEODESIC_TOLERANCE_LEAST to 1; 0 means
+       GD_GEODESIC_TOLERANCE */
     double tolerance;
     bool all_minima; /* returns every local minimum that the search finds, not only the shortest */
     /* With all_minima, on surfaces that are closed in a direction: the search also starts from
      * paths of each homotopy class whose winding numbers are within this limit, at most
-     * GD_GEODESIC_TURN_LIMIT_MOST. 0: only the classes that the tessellation's distances show. */
+     * GD_GEODESIC_TURN_LIMIT_MOST. 0 means only the classes that the tessellation's distances
+     * show. */
     uint32_t turn_limit;
 };
 
 struct gd_geodesic_request {
     const struct gd_domain_curve *from, *to;   /* points or curves of the tessellation's surface */
-    const struct gd_geodesic_options *options; /* NULL: all zero */
+    const struct gd_geodesic_options *options; /* NULL means all zero */
     /* At most one of `initial` and `turns` is not NULL. It selects a class of paths, and must not
      * be combined with all_minima. The result is a geodesic of the class, not the shortest path of
      * all classes. */

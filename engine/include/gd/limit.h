@@ -31,7 +31,7 @@ struct gd_limit_places {
 
 struct gd_limit_jet {
     struct gd_vec3 position;
-    struct gd_vec3 normal; /* unit length, outwards; NAN: no normal exists */
+    struct gd_vec3 normal; /* unit length, outwards; NAN means that no normal exists */
     struct gd_vec3 du, dv;
     struct gd_vec3 duu, duv, dvv;
     /* principal curvatures, ascending; positive where the surface bends towards its normal (for a

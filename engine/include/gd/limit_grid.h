@@ -46,7 +46,7 @@ struct gd_limit_grid_request {
     struct gd_vec3 direction; /* projected as by gd_direction_along */
     double length;            /* >= 0 */
     enum gd_vertex_rule vertex_rule;
-    uint32_t step_limit; /* largest number of points after the first; 0: GD_LIMIT_STEPS */
+    uint32_t step_limit; /* largest number of points after the first; 0 means GD_LIMIT_STEPS */
 };
 
 /* Traces a straightest geodesic on the triangles of the grid. The positions of the path's steps lie

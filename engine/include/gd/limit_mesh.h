@@ -41,7 +41,7 @@ size_t gd_limit_mesh_cost(const struct gd_subdivision *surface, uint32_t level);
 
 struct gd_limit_mesh_options {
     uint32_t level;     /* from gd_limit_mesh_least_level to GD_LIMIT_LEVEL_MOST */
-    uint32_t max_faces; /* largest number of triangles; 0: 2^28 */
+    uint32_t max_faces; /* largest number of triangles; 0 means 2^28 */
 };
 
 /* Builds the mesh of a level. The caller frees `*out` by gd_limit_mesh_free; `*out` keeps the

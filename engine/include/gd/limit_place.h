@@ -20,8 +20,8 @@ GD_MUST_USE enum gd_status gd_limit_place_check(const struct gd_subdivision *sur
 /* Returns the unit vector at an angle in the tangent plane. The jet must have a normal. */
 struct gd_vec3 gd_limit_direction(const struct gd_limit_jet *jet, double angle);
 
-/* Returns the angle, in [0, 2 pi), of a vector projected onto the tangent plane. 0: the projection
- * vanishes; NAN: the jet has no normal. */
+/* Returns the angle, in [0, 2 pi), of a vector projected onto the tangent plane. 0 means the
+ * projection vanishes; NAN means that the jet has no normal. */
 double gd_limit_angle(const struct gd_limit_jet *jet, struct gd_vec3 vector);
 
 GD_EXTERN_C_END

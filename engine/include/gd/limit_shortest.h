@@ -8,11 +8,11 @@
 GD_EXTERN_C_BEGIN
 
 struct gd_limit_shortest {
-    /* on the limit surface; INFINITY: no path (then there are no steps) */
+    /* on the limit surface; INFINITY means that no path (then there are no steps) */
     double distance;
     double mesh_distance;  /* exact distance on the mesh */
     double error_estimate; /* estimated error of `distance` */
-    /* true: the path is a geodesic of the limit surface; false: the path is the mesh's path,
+    /* true if the path is a geodesic of the limit surface; false if the path is the mesh's path,
        projected onto the limit surface */
     bool relaxed;
     struct gd_limit_step *steps; /* step_count >= 1, from ends[0] to ends[1] */

@@ -16,13 +16,13 @@ GD_EXTERN_C_BEGIN
 
 struct gd_mean_request {
     const struct gd_point *points; /* borrowed; at least one, all on one component */
-    const double *weights;         /* borrowed; >= 0, not all 0; NULL: equal weights */
+    const double *weights;         /* borrowed; >= 0, not all 0; NULL means equal weights */
     uint32_t count;
     /* Computes one step instead of the mean ("Geodesic Hermite splines on triangular meshes",
        Figure 7): sums the weighted vectors from the first point to the others. The result depends
        on the choice of the first point. */
     bool one_step;
-    const struct gd_landmarks *landmarks; /* of the same mesh, to speed up searches; NULL: none */
+    const struct gd_landmarks *landmarks; /* of the same mesh, to speed up searches; may be NULL */
 };
 
 struct gd_mean {

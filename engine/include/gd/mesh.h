@@ -44,7 +44,7 @@ struct gd_mesh_options {
     bool repair_split;    /* repairs a non-manifold input, see struct gd_mesh_repair */
     /* merges vertices within `weld_tolerance` of each other, whether or not a face joins them */
     bool weld;
-    double weld_tolerance; /* a length >= 0; 0: merges only vertices at the same position */
+    double weld_tolerance; /* a length >= 0; 0 merges only vertices at the same position */
     /* elements that the reader skipped, to be copied to gd_mesh_repair; borrowed for the call,
        NULL: none */
     const struct gd_mended *lines_skipped;

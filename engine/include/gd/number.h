@@ -29,7 +29,7 @@ char *gd_number_format(char at[GD_NUMBER_SIZE], double value);
 #define GD_NUMBERS_SIZE(count) ((count) * (GD_NUMBER_SIZE + 1) + 32)
 char *gd_numbers_format(char *at, const double *values, size_t count);
 
-/* As gd_numbers_format, but writes triples [x,y,z], each followed by a comma. */
+/* Like gd_numbers_format, but writes triples [x,y,z], each followed by a comma. */
 #define GD_TRIPLES_SIZE(count) (GD_NUMBERS_SIZE(3 * (count)) + 2 * (count))
 char *gd_triples_format(char *at, const double (*values)[3], size_t count);
 

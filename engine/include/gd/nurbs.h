@@ -31,7 +31,7 @@ struct gd_nurbs_data {
     const double *knots_u, *knots_v;
     uint32_t knot_count_u, knot_count_v;
     const double (*points)[3]; /* point (i, j) at i * count_v + j; i counts in u */
-    const double *weights;     /* in the same order; NULL: all 1 */
+    const double *weights;     /* in the same order; NULL means all 1 */
 };
 
 /* Flaws of data. X(NAME, name) */

@@ -41,8 +41,8 @@ struct gd_axis {
     bool seam;
     bool pole_low, pole_high; /* the whole border at `low` (at `high`) is one point */
     uint32_t line_count;
-    /* parameters across which the surface is not smooth, increasing, inside (low, high); NULL:
-       none */
+    /* parameters across which the surface is not smooth, increasing, inside (low, high); may be
+       NULL */
     const double *lines;
 };
 
@@ -97,7 +97,7 @@ struct gd_curvature {
     /* gaussian in 1/length^2; mean in 1/length, positive where the surface bends towards the
        normal */
     double gaussian, mean;
-    /* false: the derivatives are parallel, for instance at a pole; all other members are zero */
+    /* false if the derivatives are parallel, for instance at a pole; all other members are zero */
     bool regular;
 };
 
@@ -173,7 +173,7 @@ struct gd_profile {
     uint32_t degree, count;
     const double *knots;       /* count + degree + 1 */
     const double (*points)[2]; /* radius >= 0, height */
-    const double *weights;     /* > 0; NULL: all 1 */
+    const double *weights;     /* > 0; NULL means all 1 */
 };
 
 /* Creates a surface of revolution: (r(v) cos u, r(v) sin u, h(v)); u is the angle, closed with

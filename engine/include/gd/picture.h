@@ -94,8 +94,8 @@ struct gd_picture {
     enum gd_view view;
     /* GD_VIEW_DIRECTION: from the surface to the eye, of any length except 0 */
     struct gd_vec3 direction;
-    /* Upward direction in the picture, of any length; 0: y. The component along the line of sight
-       is ignored. */
+    /* Upward direction in the picture, of any length; 0 means y. The component along the line of
+       sight is ignored. */
     struct gd_vec3 up;
     double zoom; /* at least 1; 0: 1, the whole surface just fits */
     /* with a zoom above 1: the position in the middle, in the caller's unit; NULL: the middle of

@@ -19,7 +19,8 @@ struct gd_polygons {
     uint32_t polygon_count;
     /* vertex indices of all polygons, polygon after polygon, each < position_count */
     uint32_t *corners;
-    uint32_t *first; /* polygon_count + 1 offsets into `corners`; NULL: all are triangles */
+    /* polygon_count + 1 offsets into `corners`; NULL means that all are triangles */
+    uint32_t *first;
 };
 
 static inline uint32_t gd_polygons_first(const struct gd_polygons *polygons, uint32_t polygon)

@@ -19,7 +19,7 @@ enum gd_pair_output {
 };
 
 struct gd_pair_answer {
-    double distance;     /* INFINITY: no path */
+    double distance;     /* INFINITY means no path */
     struct gd_path path; /* from `from` to `to`; count 0 if no path was requested or none exists */
     /* The ends lie on each other's cut locus: other paths are equally short. False if not
        requested. */
@@ -40,7 +40,7 @@ GD_MUST_USE enum gd_status gd_pair_from_field(const struct gd_field *field,
 struct gd_pair_request {
     const struct gd_point *from, *to;
     enum gd_pair_output output;
-    /* of the same mesh, to speed up the search; they do not change the result; NULL: none */
+    /* of the same mesh, to speed up the search; they do not change the result; may be NULL */
     const struct gd_landmarks *landmarks;
 };
 

@@ -3,8 +3,8 @@
  *     struct gd_result result = {.mesh = &polygons, .distances = distances};
  *     enum gd_status status = gd_write_result(&result, GD_RESULT_PLY, &bytes, &size);
  *
- * PLY: the mesh, binary little-endian, in doubles, with a vertex property `distance` (NaN: none).
- * Lines are left out.
+ * PLY: the mesh, binary little-endian, in doubles, with a vertex property `distance` (NaN if there
+ * is none). Lines are left out.
  *
  * OBJ: the mesh, if any, then the lines as `v` and `l` statements with exact doubles. The lines of
  * one level form a group, for example `g level_0.5`. Distances are left out.
@@ -16,8 +16,8 @@
  *
  * GLB: mesh and lines in one scene, in floats relative to an origin stored in doubles as the node's
  * translation (gd/io.h). Distances are stored twice: as COLOR_0, coloured by gd/colour_map.h as
- * fractions of the largest distance (grey: none), and as _DISTANCE, in floats (-1: none). A line is
- * a LINE_STRIP; the extras of its primitive contain its level: {"level": 0.5}. */
+ * fractions of the largest distance (grey: none), and as _DISTANCE, in floats (-1 if there is
+ * none). A line is a LINE_STRIP; the extras of its primitive contain its level: {"level": 0.5}. */
 #ifndef GD_RESULT_FILE_H
 #define GD_RESULT_FILE_H
 

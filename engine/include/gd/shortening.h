@@ -24,8 +24,8 @@ GD_EXTERN_C_BEGIN
 
 struct gd_shortening_request {
     const struct gd_curve *curve;
-    uint32_t rounds; /* 0: as many as the curve needs to become a geodesic */
-    uint32_t pieces; /* number of pieces, of equal lengths; 0: GD_SHORTENING_PIECES */
+    uint32_t rounds; /* 0 means as many as the curve needs to become a geodesic */
+    uint32_t pieces; /* number of pieces, of equal lengths; 0 means GD_SHORTENING_PIECES */
 };
 
 struct gd_shortening {
@@ -34,7 +34,7 @@ struct gd_shortening {
        curve don't count */
     double turn;
     uint32_t rounds;
-    bool is_geodesic; /* true: `turn` is less than 1e-9 */
+    bool is_geodesic; /* true if `turn` is less than 1e-9 */
 };
 
 void gd_shortening_free(struct gd_shortening *shortening); /* NULL is allowed */

@@ -61,16 +61,16 @@ struct gd_spline_request {
     double tension;
     enum gd_tangent_rule tangent_rule;
     enum gd_end_rule end_rule;
-    /* One tangent for each point, of which only angle and length are used; NULL: the rules
-       determine all. */
+    /* One tangent for each point, of which only angle and length are used; NULL means that the
+       rules determine all. */
     const struct gd_vector *tangents;
-    /* per point: true if its entry of `tangents` is used; NULL: all are */
+    /* for each point, true if its entry of `tangents` is used; NULL means that all are */
     const bool *is_given;
-    const struct gd_landmarks *landmarks; /* of the same mesh, to speed up searches; NULL: none */
+    const struct gd_landmarks *landmarks; /* of the same mesh, to speed up searches; may be NULL */
     /* only used by gd_spline_curve, which ignores sampling->spline */
     const struct gd_spline_sampling *sampling;
-    /* Runs two searches at a time, and then computes two segments at a time. NULL: one at a time.
-     * The result is the same. */
+    /* Runs two searches at a time, and then computes two segments at a time. NULL means one at a
+     * time. The result is the same. */
     const struct gd_executor *executor;
 };
 

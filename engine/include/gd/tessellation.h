@@ -30,7 +30,8 @@ struct gd_tessellation;
 /* All zero: about GD_TESSELLATION_FACES triangles. */
 struct gd_tessellation_options {
     uint32_t faces; /* approximate number of triangles; more if lines or `deviation` need them */
-    /* length > 0: approximate limit on the distance of an edge from the surface; 0: no limit */
+    /* length > 0: approximate limit on the distance of an edge from the surface; 0 means no
+       limit */
     double deviation;
     /* Replaces `faces` and `deviation`: numbers of equal steps in u and in v, at least
        GD_TESSELLATION_STEPS_LEAST each. Both 0: unused. */

@@ -41,20 +41,20 @@ enum gd_boundary_rule { GD_BOUNDARY_RULE_STOP, GD_BOUNDARY_RULE_SLIDE };
 /* All zero: rule `bisect`, stops at the boundary, may cross itself, default limit. */
 struct gd_trace_options {
     enum gd_vertex_rule vertex_rule;
-    /* For GD_VERTEX_RULE_NORMAL: a normal of any length for each vertex index, borrowed. NULL: the
-       mean of the faces' normals, weighted by angle. */
+    /* For GD_VERTEX_RULE_NORMAL: a normal of any length for each vertex index, borrowed. NULL means
+       the mean of the faces' normals, weighted by angle. */
     const struct gd_vec3 *normals;
     enum gd_boundary_rule boundary_rule;
     /* ends where the line crosses or touches an earlier segment of itself */
     bool stop_at_self_intersection;
-    uint64_t step_limit; /* largest number of points after the first; 0: GD_TRACE_STEPS */
+    uint64_t step_limit; /* largest number of points after the first; 0 means GD_TRACE_STEPS */
 };
 
 struct gd_trace_request {
     const struct gd_point *start;
     const struct gd_direction *ahead;       /* a direction at `start`; only its angle is used */
     double length;                          /* >= 0 */
-    const struct gd_trace_options *options; /* NULL: all zero */
+    const struct gd_trace_options *options; /* NULL means all zero */
     uint32_t count;                         /* number of directions, for gd_trace_follow_many */
 };
 

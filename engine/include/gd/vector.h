@@ -50,7 +50,7 @@ struct gd_exp_request {
     const struct gd_point *start;
     const struct gd_vector *segments;
     uint32_t count;                         /* segments */
-    const struct gd_trace_options *options; /* NULL: all zero */
+    const struct gd_trace_options *options; /* NULL means all zero */
 };
 
 /* Computes p (+) v for a vector of one or more segments, which are traced in turn. Of each

@@ -49,11 +49,11 @@ struct gd_voronoi {
 };
 
 /* Writes the nearest member of every vertex index of the input to `out`, as gd_field_nearest; `out`
- * has index_count entries. UINT32_MAX: a vertex that is not reached, is beyond a partial field's
- * reach, or is unreferenced. `member_of_seed`: a number for each seed, borrowed, or NULL. If seeds
- * of several members lie at the same point, the point belongs to the member with the least offset.
- * In a tie it belongs to the member with the most segments at the point, and in a further tie to
- * the first of these members. Errors, with `out` untouched: GD_INVALID_ARGUMENT (a member's
+ * has index_count entries. UINT32_MAX means that a vertex that is not reached, is beyond a partial
+ * field's reach, or is unreferenced. `member_of_seed` is a number for each seed, borrowed, or NULL.
+ * If seeds of several members lie at the same point, the point belongs to the member with the least
+ * offset. In a tie it belongs to the member with the most segments at the point, and in a further
+ * tie to the first of these members. Errors, with `out` untouched: GD_INVALID_ARGUMENT (a member's
  * number), GD_NO_MEMORY, GD_INTERNAL (the field's predecessors lead to no seed). O(vertices + s log
  * s) for s seeds. Thread-safe. */
 GD_MUST_USE enum gd_status gd_voronoi_labels(const struct gd_field *field,

@@ -359,7 +359,7 @@ struct log_query {
     struct gd_seed from;
     struct proto_located_set set; /* `from` alone */
     double snap; /* distance by which the point was moved onto the surface; NAN: it was not moved */
-    /* true: the targets are the query's points; false: all vertices */
+    /* true: the targets are the query's points; false if all vertices */
     bool has_targets;
     bool first_vector_only;
     uint32_t count;              /* number of vectors of an answer as arrays */
@@ -542,7 +542,7 @@ struct transport_query {
     struct proto_vectors wanted;
     /* at first, the vectors at the start of the path; after the transport, those at its end */
     struct gd_vector *vectors;
-    double distance; /* INFINITY: no path */
+    double distance; /* INFINITY means no path */
 };
 
 static bool transport_locate(struct transport_query *own)

@@ -34,7 +34,7 @@
 
 struct point_list {
     struct gd_point *points;
-    /* distance by which each point was moved onto the surface; NAN: it was not moved */
+    /* distance by which each point was moved onto the surface; NAN means that it was not moved */
     double *snaps;
     uint32_t count;
 };
@@ -244,7 +244,7 @@ struct pairs_query {
     struct server_query query; /* must be the first member */
     struct point_list from, to;
     uint32_t count;
-    double *distances; /* INFINITY: no path */
+    double *distances; /* INFINITY means no path */
 
     const struct point_list *row; /* the end by which pairs are sorted */
     const struct point_list *column;

@@ -21,9 +21,10 @@ struct evaluation {
     struct server_query query; /* must be the first member */
     uint32_t wanted;           /* fields of each result */
     double *distances;
-    uint32_t *members;     /* nearest members, for an answer as arrays; UINT32_MAX: none */
-    double (*nearest)[3];  /* the nearest point; NAN: none */
-    double (*gradient)[3]; /* NAN: none */
+    /* nearest members, for an answer as arrays, or UINT32_MAX if there is none */
+    uint32_t *members;
+    double (*nearest)[3];  /* the nearest point, or NAN if there is none */
+    double (*gradient)[3]; /* NAN means that there is none */
     struct gd_path *paths; /* for an answer as arrays, if selected */
 };
 

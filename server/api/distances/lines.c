@@ -364,7 +364,7 @@ struct voronoi_query {
     struct server_query query; /* must be the first member */
     double tolerance;
     const struct gd_field *field;
-    uint32_t *labels; /* by vertex index; NULL: not selected */
+    uint32_t *labels; /* by vertex index; NULL if not selected */
     struct gd_voronoi found;
 };
 

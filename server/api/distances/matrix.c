@@ -42,13 +42,14 @@ struct point_index {
 struct matrix_query {
     struct server_query query;           /* must be the first member */
     struct proto_located_points targets; /* the sources are the query's points */
-    double max_distance;                 /* INFINITY: no limit */
-    /* one row for each source; INFINITY: no path; NAN: farther than max_distance */
+    double max_distance;                 /* INFINITY means no limit */
+    /* one row for each source; INFINITY means no path; NAN means farther than max_distance */
     double *distances;
 
-    bool is_turned; /* true: the rows are the targets */
+    bool is_turned; /* true if the rows are the targets */
     struct point_index rows, columns;
-    uint32_t *vertices;    /* the vertex index of each column; NULL: not all columns are vertices */
+    /* the vertex index of each column; NULL if not all columns are vertices */
+    uint32_t *vertices;
     double *row_distances; /* rows x columns */
     atomic_size_t grant;   /* bytes that were sufficient for the rows computed so far */
     atomic_int status;     /* the first failure */

@@ -29,7 +29,7 @@ struct pair_query {
     struct server_query query; /* must be the first member */
     enum gd_pair_output output;
     uint32_t leg, leg_count; /* the current leg: from point `leg` of the query to the next one */
-    bool is_noted;           /* true: the cache has counted this query of the leg's ends */
+    bool is_noted;           /* true if the cache has counted this query of the leg's ends */
     struct gd_pair_answer answer; /* joined answer of the legs before the current one */
     struct gd_seed source;        /* source of the field that this query builds */
 };

@@ -58,7 +58,7 @@ const struct server_query_kind server_query_nearest = {.name = "nearest",
 
 struct mean_query {
     struct server_query query; /* must be the first member */
-    double *weights;           /* NULL: equal weights */
+    double *weights;           /* NULL means equal weights */
     bool one_step;
     struct gd_mean mean;
 };
@@ -125,7 +125,8 @@ struct sampling_query {
     uint32_t count;
     bool has_start;
     struct gd_point start;
-    double snap; /* distance by which the start was moved onto the surface; NAN: it was not moved */
+    /* distance by which the start was moved onto the surface; NAN means that it was not moved */
+    double snap;
     struct gd_point *points;
     double *radii;
 };

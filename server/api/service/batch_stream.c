@@ -33,12 +33,13 @@ struct batch {
     struct server_exchange *exchange; /* the request's exchange, or the detached one */
     struct server_surface *surface;
     struct proto_batch_line line; /* the current line */
-    struct server_query *query;   /* query of the current line; NULL: the line is answered */
-    size_t begin;                 /* offset of the current line's answer in the writer */
-    struct proto_writer writer;   /* answers that are not yet in the stream */
-    struct server_relay *relay;   /* NULL: the request is not answered yet */
-    bool is_whole;                /* true: all lines are answered in the stream */
-    bool is_refused;              /* the line is late */
+    /* query of the current line; NULL means that the line is answered */
+    struct server_query *query;
+    size_t begin;               /* offset of the current line's answer in the writer */
+    struct proto_writer writer; /* answers that are not yet in the stream */
+    struct server_relay *relay; /* NULL means that the request is not answered yet */
+    bool is_whole;              /* true if all lines are answered in the stream */
+    bool is_refused;            /* the line is late */
 };
 
 static void batch_free(void *state)

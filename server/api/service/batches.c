@@ -254,7 +254,7 @@ struct answers {
     struct proto_writer writer;
     struct server_batch_place place; /* place of the last answer shown */
     uint32_t count;
-    bool is_cut;   /* true: more answers exist than fit on the page */
+    bool is_cut;   /* true if more answers exist than fit on the page */
     uint32_t seen; /* rows of one read */
 };
 

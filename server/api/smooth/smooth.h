@@ -6,7 +6,7 @@
 
 #include "server/query/query.h"
 
-/* As server_query_fail, with the engine's detail in the problem. Where control points coincide, a
+/* Like server_query_fail, with the engine's detail in the problem. Where control points coincide, a
  * surface may have no normal. This is the client's error invalid_mesh, not an internal error.
  * Returns FAILED. */
 enum server_query_turn server_smooth_fail(const struct server_query *query, enum gd_status status,

@@ -29,7 +29,7 @@
 struct format {
     struct server_query_kind kind; /* must be the first member */
     const char *media_type;
-    const char *policy; /* Content-Security-Policy; NULL: the default policy for data */
+    const char *policy; /* Content-Security-Policy; NULL means the default policy for data */
     enum gd_status (*render)(const struct gd_picture *picture, const struct gd_control *control,
                              void **bytes, size_t *size);
 };

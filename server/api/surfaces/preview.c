@@ -13,7 +13,8 @@
 
 struct preview_request {
     struct server_surface *surface;
-    struct server_preview *preview; /* NULL: the mesh is small and needs no simplification */
+    /* NULL means that the mesh is small and needs no simplification */
+    struct server_preview *preview;
     uint32_t faces;
     enum gd_format format;
 };

@@ -27,8 +27,8 @@ struct upload {
     char caption[SERVER_CAPTION];
     struct proto_edits edits; /* edits of a mesh; may be empty */
     struct server_record *record;
-    bool is_known;                       /* true: the record is already in the registry */
-    struct server_surface *surface;      /* NULL: not built yet */
+    bool is_known;                       /* true if the record is already in the registry */
+    struct server_surface *surface;      /* NULL if not built yet */
     struct server_derived_meshes edited; /* with edits: the surface and its file */
 };
 

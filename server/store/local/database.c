@@ -27,8 +27,8 @@ static const char *const schema[] = {
 struct server_database {
     sqlite3 *connection;
     int log_pages;        /* pages in the log after the last commit */
-    bool cant_checkpoint; /* true: a checkpoint failed, and all writes are refused */
-    /* true: there was no log before the database was opened for reading, so closing may make a
+    bool cant_checkpoint; /* true if a checkpoint failed, and all writes are refused */
+    /* true if there was no log before the database was opened for reading, so closing may make a
        checkpoint */
     bool had_no_log;
 };
@@ -406,7 +406,8 @@ enum server_outcome server_database_copy(struct server_database *database, const
 struct batches {
     struct server_store_sql sql; /* must be the first member */
     pthread_mutex_t lock;
-    sqlite3 *connection; /* NULL: the database is damaged, and no new one could be made yet */
+    /* NULL means that the database is damaged, and no new one could be made yet */
+    sqlite3 *connection;
     char path[SERVER_DISK_PATH];
     const char *const *steps;
 };

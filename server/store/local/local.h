@@ -24,7 +24,7 @@
 
 struct server_files {
     char folder[SERVER_STORE_FOLDER];
-    /* locked descriptors of the folder and of its file `lock`; -1: none */
+    /* locked descriptors of the folder and of its file `lock`, or -1 if there is none */
     int held, lock;
     unsigned serial;          /* number of the next temporary file */
     char error[SERVER_ERROR]; /* a sentence with the reason why the folder could not be opened */
@@ -53,10 +53,10 @@ bool server_files_object_check(const char *file);
  * and restricts the permissions of files. On failure, and for an unfinished copy, returns false and
  * sets files->error. */
 bool server_files_open(struct server_files *files, const char *folder);
-/* As server_files_open, but creates nothing. Also returns false if `objects` or `manifests` is
+/* Like server_files_open, but creates nothing. Also returns false if `objects` or `manifests` is
  * missing. */
 bool server_files_open_existing(struct server_files *files, const char *folder);
-/* As server_files_open, for a new or an unfinished copy. The objects of an unfinished copy are
+/* Like server_files_open, for a new or an unfinished copy. The objects of an unfinished copy are
  * kept. The copy is unfinished until server_files_finish is called. */
 bool server_files_open_copy(struct server_files *files, const char *folder);
 enum server_outcome server_files_finish(const struct server_files *files);

@@ -36,7 +36,7 @@ struct finding { /* a finding of the recovery */
 struct local {
     struct server_store store; /* must be the first member */
     struct server_files files;
-    /* NULL: the database is unusable, and the store is read-only */
+    /* NULL means that the database is unusable, and the store is read-only */
     struct server_database *database;
     pthread_mutex_t lock;           /* protects `quarantine` and `turn` */
     struct server_names quarantine; /* ids of damaged objects */
@@ -46,10 +46,10 @@ struct local {
     uint32_t count, capacity;
     /* ids of the objects that the last change removed from a surface; empty: none */
     char left[SERVER_PARTS][SERVER_OBJECT];
-    bool lacks_rows; /* true: a repair failed, so that the rows do not list all objects in use */
+    bool lacks_rows; /* true if a repair failed, so that the rows do not list all objects in use */
     atomic_bool is_read_only;
     char reason[512];        /* the reason for is_read_only; set once, before is_read_only */
-    atomic_bool was_missing; /* true: the folder was missing at the last check of health */
+    atomic_bool was_missing; /* true if the folder was missing at the last check of health */
 };
 
 /* --- health ----------------------------------------------------------------------------------- */
@@ -399,7 +399,7 @@ static void open_database(struct recovery *recovery)
 
 /* --- recovery: repairs ------------------------------------------------------------------------ */
 
-/* Logs a repair; `what`: the file or row that was written. */
+/* Logs a repair; `what` is the file or row that was written. */
 static void log_repair(struct local *local, const struct finding *finding,
                        enum server_outcome outcome, const char *what, const char *message)
 {

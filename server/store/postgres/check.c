@@ -7,7 +7,7 @@
 
 struct check {
     FILE *out;
-    struct server_record *record; /* record of the current row; NULL: damaged */
+    struct server_record *record; /* record of the current row; NULL means damaged */
     char last[SERVER_KEY_TEXT];   /* its key */
     uint32_t faults, surfaces, objects;
     unsigned long long bytes;

@@ -61,7 +61,7 @@ struct server_pg_attempt {
     bool is_transaction;
     uint64_t patience_ns, longest_ns; /* limits of all attempts, and of one statement */
     uint64_t until_ns, pause_ns;
-    int64_t number; /* number of the transaction whose COMMIT was not answered; 0: none */
+    int64_t number; /* number of the transaction whose COMMIT was not answered; 0 means none */
     char error[SERVER_PG_ERROR];
 };
 

@@ -24,7 +24,7 @@ struct shared {
     struct server_pg_pool *pool;
     uint64_t seen; /* last visited version; guarded by the follower's lock */
     /* used by the thread that calls await: */
-    struct server_pg *listener; /* NULL: none yet */
+    struct server_pg *listener; /* NULL means that there is none */
     bool was_away;
     uint64_t swept_ns; /* time of the last removal of unused objects */
 };
@@ -46,9 +46,9 @@ static enum server_outcome shared_stage(struct server_store *store,
 
 struct change {
     const struct server_record *record;
-    const char *text; /* text of the record; NULL: remove the surface */
+    const char *text; /* text of the record; NULL means remove the surface */
     size_t size;
-    uint64_t before; /* the expected version; 0: none */
+    uint64_t before; /* the expected version; 0 means none */
     struct server_sql_integers version;
     struct server_sql_surface found; /* current row of the key; version 0: none */
 };
@@ -190,11 +190,11 @@ static enum server_outcome shared_verify(struct server_store *store,
 struct page {
     server_stored_visit *visit;
     void *user;
-    bool is_following;          /* true: removals are visited, too */
+    bool is_following;          /* true if removals are visited, too */
     uint64_t seen;              /* all changes up to this version are visited */
     char last[SERVER_KEY_TEXT]; /* the last surface's key */
     uint32_t rows;
-    bool is_over; /* true: the visitor has ended the visit, or memory is short */
+    bool is_over; /* true if the visitor has ended the visit, or memory is short */
     bool is_forgotten;
 };
 

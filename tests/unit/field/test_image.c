@@ -174,7 +174,7 @@ static enum gd_status try_damaged(struct rng *rng)
     return status;
 }
 
-/* Returns the edge with the longest chain. *chunks: the chain's length. */
+/* Returns the edge with the longest chain. Sets *chunks to the chain's length. */
 static uint32_t longest_chain(uint32_t *chunks)
 {
     uint32_t best = 0;

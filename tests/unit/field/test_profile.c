@@ -40,7 +40,8 @@ static double distance_along(const struct gd_field *field, const struct gd_point
 
 static void check_place(double told, double field, double length)
 {
-    if (fabs(told - field) > 1e-14 * length) check_close(told, field, 1e-9); /* 0: they cross */
+    /* 0 means they cross */
+    if (fabs(told - field) > 1e-14 * length) check_close(told, field, 1e-9);
 }
 
 /* Checks that the profile's extremes equal the field's distances there, and that no sample lies

@@ -107,7 +107,7 @@ static void two_segments_in_the_plane(void **state)
     const struct {
         struct way ways[2];
         uint32_t bisectors;
-        double length; /* 0: not checked */
+        double length; /* 0 if not checked */
     } cases[] = {
         {{{0.5, 0.75, 0.5, 0.75}, {0, 0.25, 1, 0.25}}, 1, 2 * parabola(0.5)},
         {{{0, 0.2, 1, 0.2}, {0, 0.7, 1, 0.7}}, 1, 1},
