@@ -156,9 +156,9 @@ enum gd_status gd__taut_answer(const struct gd__taut *taut, struct gd_geodesic *
     answer.pieces = calloc(count_pieces(taut) + (size_t)1, sizeof *answer.pieces);
     if (!answer.pieces) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < taut->gap_count && !status; i++) {
-        const struct gd__contact *contact = &taut->contacts.items[i];
         if (!taut->gaps[i].is_empty) status = add_gap(taut, i, &answer);
         if (status || i == taut->contacts.count) continue;
+        const struct gd__contact *contact = &taut->contacts.items[i];
         answer.warnings |= GD_GEODESIC_BOUNDARY_CONTACT;
         if (!gd__contact_is_arc(contact)) continue;
         status =
