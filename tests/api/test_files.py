@@ -328,7 +328,7 @@ class Packages(Files):
     def test_bombs_are_refused(self):
         blanks = package(ONE + " " * (64 << 20))
         self.assertLess(len(blanks), 1 << 17)
-        self.refused(blanks, 413, "too_large", "more than 256 times")
+        self.refused(blanks, 413, "too_large", "at most 256 times")
         twice = ('<object id="%d"><components><component objectid="%d"/><component objectid="%d"/>'
                  "</components></object>")
         pairs = "".join(twice % (i, i - 1, i - 1) for i in range(2, 40))
@@ -347,14 +347,14 @@ class Packages(Files):
                 'Target="%s" Id="a"/></Relationships>')
         for target in ("/etc/passwd", "../../etc/passwd", "file:///etc/passwd"):
             body = package(ONE, **{"_rels/.rels": rels % target})
-            self.refused(body, 422, "invalid_mesh", "no part")
+            self.refused(body, 422, "invalid_mesh", "lacks the part")
 
     def test_damage_is_found(self):
         body = bytearray(package(ONE))
         at = body.index(b"3D/3dmodel.model") + 40
         body[at] ^= 0x55
         self.assert_problem(self.daemon.put("harm", bytes(body)), 422, "invalid_mesh")
-        self.refused(bytes(body[:-30]), 422, "invalid_mesh", "cut short")
+        self.refused(bytes(body[:-30]), 422, "invalid_mesh", "truncated")
 
 
 if __name__ == "__main__":

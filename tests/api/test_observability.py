@@ -99,10 +99,12 @@ class Slow(unittest.TestCase):
     TRACE = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01"
 
     def lines(self, *flags):
-        """Returns the log lines of a fast request and of a request that takes longer than 5 ms."""
+        """Returns the log lines of a request that takes longer than 5 ms, and of 20 fast requests.
+        On a busy machine some of these take longer, too."""
         with Daemon(*flags) as daemon:
             daemon.put("ball", sample("icosphere", level=6), traceparent=self.TRACE, X_Request_Id="slow")
-            daemon.request("GET", "/livez", headers={"X-Request-Id": "fast"})
+            for number in range(20):
+                daemon.request("GET", "/livez", headers={"X-Request-Id": f"fast{number}"})
         return {line["request_id"]: line for line in daemon.log if "request_id" in line}
 
     def test_slow_requests_are_logged_with_their_trace(self):
@@ -110,7 +112,7 @@ class Slow(unittest.TestCase):
         self.assertEqual((lines["slow"]["event"], lines["slow"]["level"]), ("slow_request", "warn"))
         self.assertEqual(lines["slow"]["traceparent"], self.TRACE)
         self.assertGreaterEqual(lines["slow"]["ms"], 5)
-        self.assertEqual((lines["fast"]["event"], lines["fast"]["level"]), ("request", "info"))
+        self.assertIn(("request", "info"), [(line["event"], line["level"]) for line in lines.values()])
 
     def test_slow_requests_are_not_logged_by_default(self):
         self.assertEqual({line["event"] for line in self.lines().values()}, {"request"})

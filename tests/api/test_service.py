@@ -199,9 +199,10 @@ class Service(TestCase):
         service = self.daemon.get("/v1").json
         queries = {"distance", "path", "nearest", "matrix", "pairs", "nearest-points", "queries", "batch", "distance-to-set", "fields", "evaluate",
                    "isolines", "cut-locus", "voronoi", "farthest-points", "curve-distance", "cut", "trace", "exp", "log", "transport", "mean",
-                   "spline", "curve"}
-        queries |= {f"nurbs/{name}" for name in ("evaluate", "nearest", "path", "geodesic", "point-curve-distance", "curve-distance", "tessellate")}
-        queries |= {f"subdivisions/{name}" for name in ("evaluate", "nearest", "trace", "distance", "path", "tessellate", "discretize")}
+                   "spline", "curve", "picture"}
+        queries |= {f"nurbs/{name}" for name in ("evaluate", "nearest", "path", "geodesic", "point-curve-distance", "curve-distance", "tessellate",
+                                             "picture")}
+        queries |= {f"subdivisions/{name}" for name in ("evaluate", "nearest", "trace", "distance", "path", "tessellate", "discretize", "picture")}
         self.assertEqual(set(service["capabilities"]["queries"]), queries)
         self.assertGreater(service["limits"]["memory_budget_bytes"], 0)
 
