@@ -7,13 +7,13 @@
 #include "loops/lattice.h"
 #include "loops/loops.h"
 
-/* Loops are sampled at least this densely, scaled. */
+/* Largest scaled distance between neighbouring samples of a loop. */
 static const double longest = 0.02;
 
 struct segment {
     struct gd__lattice_node a, b;
     int64_t low, high;            /* range of x */
-    uint32_t loop, sample, count; /* the segment begins at this sample of its loop, of `count` */
+    uint32_t loop, sample, count; /* begins at this one of the loop's `count` samples */
 };
 
 static int by_low(const void *x, const void *y)
@@ -115,7 +115,8 @@ static enum gd_status check_crossings(const struct gd__loops *loops, struct gd__
     return status;
 }
 
-/* Checks that loop i lies in the rectangle; a hole without an outer loop lies inside it. */
+/* Checks that loop i lies in the rectangle. A hole without an outer loop must not touch the border
+ * of the rectangle. */
 static enum gd_status check_rectangle(const struct gd__loops *loops, uint32_t i,
                                       struct gd_trim_fault *fault)
 {
@@ -137,7 +138,7 @@ static enum gd_status check_rectangle(const struct gd__loops *loops, uint32_t i,
     return GD_OK;
 }
 
-/* Twice the area that the polyline of a loop encloses, scaled; negative if it runs clockwise. */
+/* Returns twice the scaled area inside the polyline of a loop; negative if it runs clockwise. */
 static double loop_area(const struct gd__loops *loops, uint32_t i)
 {
     const struct gd__loop_samples *samples = &loops->samples;

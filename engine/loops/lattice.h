@@ -1,12 +1,12 @@
-/* Lattice: places of the parameter plane, rounded to integers, so that predicates are exact. */
+/* Lattice: places of the parameter plane are rounded to integers, so that predicates are exact. */
 #ifndef GD_LOOPS_LATTICE_H
 #define GD_LOOPS_LATTICE_H
 
 #include <math.h>
 #include <stdint.h>
 
-/* Extent of the lattice. Corners of the triangle around all points lie 4 times as far out. Then an
- * in-circle determinant has less than 2^127. */
+/* Largest coordinate of a point. The triangle around all points has coordinates up to 4 times as
+ * large. So an in-circle determinant is less than 2^127. */
 #define GD__LATTICE_EXTENT (INT64_C(1) << 26)
 
 struct gd__lattice {

@@ -100,7 +100,7 @@ static void blossom(const struct gd_trim_curve *curve, uint32_t k, uint32_t j, d
     memcpy(out, p[d], sizeof p[d]);
 }
 
-/* Room for spans and points, which was counted before. */
+/* The spans and points added so far. Their arrays in `loops` are allocated in full size before. */
 struct intake {
     struct gd__loops *loops;
     uint32_t points;
@@ -317,7 +317,7 @@ struct sampling {
     struct gd__loop_samples *out;
 };
 
-/* Returns the scaled distance of a place of the span from the chord between two others. */
+/* Returns the scaled distance of a place of the span from the chord between two other places. */
 static double chord_gap(const struct sampling *by, const double a[2], const double b[2], double t)
 {
     struct gd__span_jet c;
@@ -333,7 +333,7 @@ static double chord_gap(const struct sampling *by, const double a[2], const doub
     return hypot(rise[0] - part * run[0], rise[1] - part * run[1]);
 }
 
-/* Adds samples for [low, high) of a span, halving it while it bends or is long. */
+/* Adds the samples of [low, high) of a span. Halves this interval while it bends or is too long. */
 static enum gd_status sample_part(const struct sampling *by, double low, double high, int depth)
 {
     struct gd__span_jet a, b;
@@ -458,7 +458,7 @@ double gd__loops_depth(const struct gd__loops *loops, const double at[2],
     gd__loop_jet(loops, place.loop, place.s, false, &c);
     memcpy(place.at, c.at, sizeof c.at);
     place.distance = apart(loops, c.at, at);
-    /* a sample at the end of a span may be nearest although the span before it is nearer */
+    /* if the nearest sample is the joint of two spans, the nearest place may be on either span */
     if (place.s >= loops->loops[place.loop].span_count) place.s = 0;
     bool at_end = place.s == floor(place.s);
     approach(loops, at, &place);

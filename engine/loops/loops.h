@@ -17,7 +17,7 @@
 #include "gd/trim.h"
 #include "loops/span.h"
 
-/* Distance of the sampled polyline from the loops, scaled. */
+/* Largest scaled distance of the sampled polyline from the loops. */
 #define GD__LOOPS_SAG 1e-4
 
 struct gd__loop {
@@ -62,7 +62,7 @@ GD_MUST_USE enum gd_status gd__loops_create(const double low[2], const double hi
 
 void gd__loops_free(struct gd__loops *loops); /* NULL is harmless */
 
-/* Returns the fault's status with its sentence. `fault` may be NULL. */
+/* Writes the fault with its sentence to `fault`, unless it is NULL. Returns GD_INVALID_ARGUMENT. */
 enum gd_status gd__loops_fail(struct gd_trim_fault *fault, uint32_t loop, uint32_t curve,
                               const char *format, ...) __attribute__((format(printf, 4, 5)));
 
@@ -71,8 +71,8 @@ enum gd_status gd__loops_fail(struct gd_trim_fault *fault, uint32_t loop, uint32
 GD_MUST_USE enum gd_status gd__loops_check(struct gd__loops *loops, struct gd__pace *pace,
                                            struct gd_trim_fault *fault);
 
-/* Samples all loops with steps that are at most `longest` wide, scaled. Errors: GD_NO_MEMORY,
- * GD_TOO_LARGE (too many samples), GD_CANCELLED, GD_DEADLINE. */
+/* Samples all loops. The scaled distance of neighbouring samples is at most `longest`. Errors:
+ * GD_NO_MEMORY, GD_TOO_LARGE (too many samples), GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__loops_sample(const struct gd__loops *loops, double longest,
                                             struct gd__pace *pace, struct gd__loop_samples *out);
 void gd__loop_samples_free(struct gd__loop_samples *samples);

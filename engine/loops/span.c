@@ -18,7 +18,7 @@ void gd__span_jet(const struct gd__span *span, double t, struct gd__span_jet *ou
     uint32_t d = span->degree;
     double p[GD__SPAN_DEGREE_MAX + 1][3], h[3][3] = {{0}};
     memcpy(p, span->points, (d + 1) * sizeof *p);
-    /* de Casteljau; the differences of the last three and the last two points are derivatives */
+    /* de Casteljau's algorithm: differences of the last points give the derivatives */
     for (uint32_t level = d; level > 0; level--) {
         for (int k = 0; k < 3; k++) {
             if (level == 2) h[2][k] = d * (d - 1) * (p[2][k] - 2 * p[1][k] + p[0][k]);

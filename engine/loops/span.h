@@ -13,7 +13,7 @@ struct gd__span {
     double (*points)[3];    /* degree + 1 points (w u, w v, w); borrowed from the loops */
 };
 
-/* Place and two derivatives by the parameter. */
+/* A place of a span, and its first and second derivative with respect to the parameter. */
 struct gd__span_jet {
     double at[2], first[2], second[2];
 };

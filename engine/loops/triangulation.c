@@ -79,8 +79,8 @@ static void replace_beside(struct work *w, uint32_t triangle, uint32_t old, uint
 }
 
 /* Replaces the common edge of a triangle and its neighbour by the other diagonal of their
- * quadrangle. With a, b, c the corners of the triangle from the one opposite the edge, and d the
- * neighbour's, the new triangles are (a, b, d) and (a, d, c). */
+ * quadrangle. Let (a, b, c) be the triangle, (b, c) the edge, and d the neighbour's third corner.
+ * The new triangles are (a, b, d) and (a, d, c). */
 static void flip(struct work *w, uint32_t number, int edge)
 {
     struct triangle t = w->triangles[number];
@@ -109,7 +109,8 @@ static enum gd_status push(struct work *w, uint32_t triangle, int edge)
     return GD_OK;
 }
 
-/* Flips edges opposite a new point until the circles of its triangles are empty. */
+/* Flips edges opposite a new point until no other point lies in the circumcircle of one of its
+ * triangles. */
 static enum gd_status legalize(struct work *w, uint32_t point)
 {
     enum gd_status status = GD_OK;
@@ -153,7 +154,7 @@ static enum gd_status locate(struct work *w, uint32_t point, uint32_t *found, in
     return GD_OK;
 }
 
-/* Divides a triangle into the triangles between a point inside it and its edges. */
+/* Divides a triangle into three triangles, which meet at a point inside it. */
 static enum gd_status split_triangle(struct work *w, uint32_t number, uint32_t point)
 {
     struct triangle t = w->triangles[number];
@@ -172,7 +173,7 @@ static enum gd_status split_triangle(struct work *w, uint32_t number, uint32_t p
     return status;
 }
 
-/* Divides the two triangles at an edge, which the point divides. */
+/* Divides both triangles of an edge at a point on this edge. */
 static enum gd_status split_edge(struct work *w, uint32_t number, int edge, uint32_t point)
 {
     struct triangle t = w->triangles[number];
@@ -265,7 +266,8 @@ static void fix_edge(struct work *w, uint32_t number, int edge)
     u->fixed[edge_to(u, number)] = true;
 }
 
-/* Lists the edges that the segment (a, b) crosses, as pairs of points: first the right one. */
+/* Lists the edges that the segment (a, b) crosses, as pairs of points. The first point of a pair is
+ * on the right of the segment. */
 static enum gd_status list_crossed(struct work *w, uint32_t a, uint32_t b, uint32_t number,
                                    int edge)
 {
@@ -308,8 +310,8 @@ static enum gd_status find_edge(const struct work *w, uint32_t p, uint32_t q, ui
     return GD_INTERNAL;
 }
 
-/* Flips the edges that a segment crosses until none crosses it. An edge whose quadrangle is not
- * convex, and a new edge that crosses the segment, goes to the end of the queue. */
+/* Flips edges until no edge crosses the segment. An edge goes to the end of the queue if its
+ * quadrangle is not convex, or if the flipped edge still crosses the segment. */
 static enum gd_status flip_crossed(struct work *w, uint32_t a, uint32_t b)
 {
     uint64_t left = w->stack_count, rounds = 16 + 4 * left * left;
