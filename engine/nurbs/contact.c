@@ -14,7 +14,8 @@ enum {
     PROBES = 64 /* places at which the curvature of a contact is computed */
 };
 
-/* Sine of an angle. A polyline that turns by more shows on which side the obstacle lies. */
+/* Sine of an angle. If a polyline turns by more than this angle, the obstacle is on the inner side
+ * of the turn. */
 static const double clear_turn = 1e-2;
 
 static const struct gd__span *contact_span(const struct gd_parametric *surface,
@@ -186,8 +187,8 @@ void gd__taut_parts_free(struct gd__taut_parts *parts)
     *parts = (struct gd__taut_parts){0};
 }
 
-/* Returns the sign of the turn of a polyline at place i, to the right, in the domain; at a straight
- * place, whether the path runs along the loop. */
+/* Returns the direction of a contact at place i of a polyline: 1 if the polyline turns right there,
+ * -1 if it turns left. At a straight place: 1 if it runs in the direction of the loop, else -1. */
 static int touch_direction(const struct gd_parametric *surface,
                            const struct gd__uv_polyline *polyline, uint32_t i,
                            const struct gd__loop_place *place)
@@ -218,7 +219,7 @@ struct division {
     const struct gd_parametric *surface;
     const struct gd__uv_polyline *polyline;
     struct gd__taut_parts *parts;
-    struct gd__loop_place *places; /* of each place of the polyline; distance INFINITY: not near */
+    struct gd__loop_place *places; /* one for each place of the polyline; distance INFINITY: far */
 };
 
 static enum gd_status open_gap(struct gd__taut_parts *parts, const double at[2])
@@ -250,8 +251,8 @@ static enum gd_status add_contact(struct division *d, const struct gd__contact *
     return status;
 }
 
-/* Adds the contacts of the part of a loop that the polyline follows from place i to place k. The
- * part ends in the corners and spans that it passes. */
+/* Adds the contacts of the part of a loop that the polyline follows from place i to place k. Each
+ * span of the loop has a contact of its own. */
 static enum gd_status add_arc(struct division *d, uint32_t i, uint32_t k, double run)
 {
     const struct gd__loops *loops = d->surface->loops;

@@ -13,9 +13,10 @@ enum {
     ARC_SAMPLES = 8 /* of a contact that becomes part of a gap */
 };
 
-/* Fraction of the domain's width: ends of a gap nearer than this are one place. */
+/* Ends of a gap are one place if they are closer than this fraction of the domain's width. */
 static const double one_place = 1e-11;
-/* A loop whose geodesic curvature is less than this, over the size of the surface, is straight. */
+/* A loop counts as straight if its geodesic curvature, times the size of the surface, is less than
+ * this. */
 static const double straight = 1e-9;
 
 /* --- directions ------------------------------------------------------------------------------- */
@@ -70,7 +71,7 @@ static void gap_free(struct gd__gap *gap)
     *gap = (struct gd__gap){0};
 }
 
-/* Computes the end of a gap. Side 0: its beginning, the end of the contact before it. */
+/* Computes an end of a gap. Side 0 is its beginning: there, the contact before it ends. */
 static void gap_end(const struct gd__taut *taut, uint32_t gap, int side, double at[2])
 {
     const struct gd__contacts *contacts = &taut->contacts;
@@ -161,7 +162,8 @@ static enum gd_status append_line(struct gd__uv_polyline *to, const struct gd__u
     return status;
 }
 
-/* Removes contact i. The gaps beside it become one, which first runs along the contact. */
+/* Removes contact i. Joins the gaps beside it to one gap, whose initial path runs along the
+ * contact. */
 static enum gd_status drop_contact(struct gd__taut *taut, uint32_t i)
 {
     const struct gd__contact contact = taut->contacts.items[i];
@@ -274,8 +276,8 @@ static struct stand stand_of(const struct gd__taut *taut, uint32_t i)
     return stand;
 }
 
-/* Returns the parameter of a contact's end moved so that its angle vanishes. `sign`: 1 for the end,
- * -1 for the beginning. */
+/* Returns the parameter of a contact's end after a step towards the place where its angle is 0.
+ * `sign`: 1 for the end, -1 for the beginning. */
 static double moved(const struct gd__taut *taut, const struct gd__contact *contact, double t,
                     const struct gd__contact_place *place, double angle, int sign)
 {
@@ -292,8 +294,8 @@ static double moved(const struct gd__taut *taut, const struct gd__contact *conta
     return fmin(fmax(t, contact->least), contact->most);
 }
 
-/* Returns the condition's violation of an end: the angle, unless the end is at a bound and presses
- * against it. */
+/* Returns by how much an end violates its condition: its angle, or 0 if the end is at a bound and
+ * would move beyond it. */
 static double held_angle(const struct gd__contact *contact, double t, double angle, int sign)
 {
     double limit = sign * contact->direction > 0 ? contact->most : contact->least;
@@ -371,7 +373,7 @@ static enum gd_status spill_contact(struct gd__taut *taut, uint32_t i, bool *add
             (contact.span + loop->span_count + (uint32_t)(way > 0 ? 1 : -1)) % loop->span_count;
         next.least = 0, next.most = 1;
         next.begin = next.end = way > 0 ? 0 : 1;
-        /* the neighbour may be there already */
+        /* there may be a contact on the next span already */
         uint32_t other = sign > 0 ? i + 1 : i - 1;
         if (other < taut->contacts.count && taut->contacts.items[other].loop == next.loop &&
             taut->contacts.items[other].span == next.span)
@@ -403,7 +405,7 @@ static enum gd_status split_contact(struct gd__taut *taut, uint32_t i, bool *spl
     struct gd__contact after = *contact;
     double room = 0.25 * fmin(fabs(t - contact->begin), fabs(contact->end - t));
     if (room <= one_place) {
-        /* the bend is at an end of the contact, which moves on its own */
+        /* the bend is at an end of the contact: move this end instead of dividing the contact */
         double width = 0.25 * (contact->end - contact->begin);
         if (fabs(t - contact->begin) < fabs(contact->end - t))
             contact->begin += width;
@@ -544,7 +546,7 @@ static enum gd_status taut_measure(struct gd__taut *taut)
     for (uint32_t i = 0; i < taut->contacts.count; i++)
         taut->length +=
             gd__contact_length(task->surface, &taut->contacts.items[i], task->pace, &taut->error);
-    /* an end of a contact that is off by an angle changes the length by a third power */
+    /* the error of the length is of third order in the angles at the ends of contacts */
     taut->error += taut->residual * taut->residual * taut->length;
     return task->pace->status;
 }
@@ -559,7 +561,7 @@ void gd__taut_free(struct gd__taut *taut)
     taut->gap_count = 0;
 }
 
-/* Takes over the parts of a divided path. */
+/* Moves the contacts and gaps of a divided path into `taut`. */
 static enum gd_status take_parts(struct gd__taut *taut, struct gd__taut_parts *parts)
 {
     enum gd_status status = gaps_open(taut, 0, parts->gap_count);

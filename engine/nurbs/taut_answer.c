@@ -18,15 +18,16 @@ static const double fit = 1e-10;
 /* Two paths are the same if their lengths and middles differ by less than this fraction of the
  * length. */
 static const double same_path = 1e-7;
-/* The length of the mesh's path and of the taut path differ by less than this fraction. */
+/* A taut path is rejected if its length differs from that of its path on the mesh by more than this
+ * fraction. */
 static const double mesh_error = 0.1;
-/* A path that is not proven may be shortest if its mesh length exceeds the least length by less
- * than this fraction. */
+/* An unproven path may be the shortest one if its length on the mesh exceeds the least length by
+ * less than this fraction. */
 static const double doubt = 0.02;
 
 /* --- contacts as splines ---------------------------------------------------------------------- */
 
-/* Computes place and derivative of the contact at the fraction `part` of its parameters. */
+/* Computes place and derivative of the contact at the fraction `part` of its parameter interval. */
 static void contact_part(const struct gd_parametric *surface, const struct gd__contact *contact,
                          double part, double at[2], double first[2])
 {
@@ -41,7 +42,8 @@ static void contact_part(const struct gd_parametric *surface, const struct gd__c
     }
 }
 
-/* Fills the points of a spline with two knots at each end of a span: Hermite interpolation. */
+/* Computes the control points of a spline by Hermite interpolation. Each end of a span is a double
+ * knot. */
 static void fill_spline(const struct gd_parametric *surface, const struct gd__contact *contact,
                         uint32_t spans, struct gd_geodesic_piece *out)
 {
@@ -112,7 +114,7 @@ static uint32_t count_pieces(const struct gd__taut *taut)
     return count + taut->contacts.count;
 }
 
-/* Adds the pieces and the figures of a gap. */
+/* Adds the pieces of a gap, and its part of the report. */
 static enum gd_status add_gap(const struct gd__taut *taut, uint32_t i, struct gd_geodesic *out)
 {
     struct gd__candidate candidate = {.parts = 1, .part = {taut->gaps[i].solution}};
@@ -225,8 +227,8 @@ static int by_taut_length(const void *x, const void *y)
     return p->taut.length < q->taut.length ? -1 : p->taut.length > q->taut.length;
 }
 
-/* Solves one seed. Keeps the path if it is proven and new; otherwise raises the doubt about the
- * shortest path. */
+/* Solves one seed. Keeps the path if it is proven and new. If it is not proven, lowers *doubtful to
+ * the length of its path on the mesh. */
 static enum gd_status find_path(const struct gd__task *task,
                                 const struct gd_domain_curve *const ends[2],
                                 const struct gd__path_seed *seed, struct found *found,
@@ -284,7 +286,7 @@ enum gd_status gd__taut_paths(const struct gd__task *task,
         status = find_path(task, ends, &seeds->seed[i], found, &count, &doubtful);
     }
     if (!status && count) qsort(found, count, sizeof *found, by_taut_length);
-    /* a path that was not proven may be shorter than all proven paths */
+    /* an unproven path may be shorter than all proven paths */
     if (!status && (!count || doubtful < (1 + doubt) * found[0].taut.length)) status = GD_INTERNAL;
     if (!status) status = answer_paths(found, count, all, out);
     for (uint32_t i = 0; i < count; i++) gd__taut_free(&found[i].taut);

@@ -7,7 +7,7 @@
 #include "loops/triangulation.h"
 #include "nurbs/tessellation.h"
 
-/* The widths of the lattice differ by at most this factor. */
+/* Least ratio of the two widths of the lattice. */
 static const double least_width = 1.0 / 16;
 /* Grid nodes nearer to a loop than this are omitted, in grid steps. */
 static const double clearance = 0.5;
@@ -163,8 +163,8 @@ static enum gd_status triangulate(struct meshing *m)
     return status == GD_INVALID_ARGUMENT ? GD_INTERNAL : status;
 }
 
-/* Moves a place to its representative: in a closed direction from high to low, and at a pole to the
- * pole's first place. */
+/* Moves a place to the representative of its point: on a seam from the high to the low end of the
+ * closed direction, at a pole to the pole's first place. */
 static void represent(const struct gd_parametric *surface, double at[2])
 {
     for (int k = 0; k < 2; k++) {
@@ -225,7 +225,7 @@ static void make_faces(struct gd_tessellation *t, const struct gd__triangulation
     }
 }
 
-/* Takes over the places that triangles use as nodes, renumbered. */
+/* Makes nodes of the places that are corners of triangles, and renumbers them. */
 static enum gd_status take_nodes(struct meshing *m)
 {
     struct gd_tessellation *t = m->t;
