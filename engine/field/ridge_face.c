@@ -4,10 +4,10 @@
 /* Ridges in a face: for any two unrelated sources, the parts of their branch where no third source
  * is nearer. */
 
-#define SLACKS        4   /* distances that differ by so many roundings agree */
-#define BESIDE_SLACKS 0.5 /* a ridge along an edge is at most so many roundings off */
-#define CORNER_SNAPS  16  /* an end this many times as far from a corner lies there */
-#define NARROW_SLACKS 16  /* a branch as narrow as so many roundings folds back along a ray */
+#define SLACKS        4   /* distances agree if they differ by at most this many roundings */
+#define BESIDE_SLACKS 0.5 /* a ridge along an edge is off by at most this many roundings */
+#define CORNER_SNAPS  16  /* an end lies at a corner if it is at most this many roundings away */
+#define NARROW_SLACKS 16  /* a branch at most this many roundings wide is a ray */
 
 /* The current face. */
 struct work {
@@ -144,8 +144,8 @@ static struct gd__local move_to_side(const struct gd__face_frame *frame,
 }
 
 /* Computes the precise place of an end. `third`: the source that is nearer beyond the end, or
- * GD__SPAN_OPEN at a border of the face or of a view. A related third source is not nearer. It
- * takes over at a border of its view. */
+ * GD__SPAN_OPEN at a border of the face or of a view. A related third source is not nearer beyond
+ * the end: there, the end lies at the border of a view. */
 static struct gd__local refine_end(const struct work *work, const struct pair *pair, uint32_t third,
                                    struct gd__local at)
 {
@@ -198,8 +198,8 @@ static int side_along(const struct work *work, const struct gd__ridge_end end[2]
 /* --- a part ----------------------------------------------------------------------------------- */
 
 /* Returns true if both paths to a place are longer than rounding, and no third source is nearer.
- * Rounding may leave a false part where wedges do not quite join. A segment is no ridge of its own
- * two sides. */
+ * Rounding may leave a false part where wedges do not quite join. The two sides of one segment have
+ * no ridge along the segment. */
 static bool is_ridge(const struct work *work, const struct pair *pair, struct gd__local at)
 {
     const struct gd__sources *sources = work->sources;
@@ -307,7 +307,8 @@ static enum gd_status add_between(const struct work *work, uint32_t i, uint32_t 
     const struct gd__source *a = source_at(work, i), *b = source_at(work, j);
     if (is_out_of_reach(work, i, j) || is_out_of_reach(work, j, i) || are_related(work, i, j))
         return GD_OK;
-    /* the centre of a branch is a point, and the point around which the branch bends */
+    /* the polar form of a branch is centred at a point source, the one around which the branch
+     * bends */
     bool ordered = a->linear == b->linear ? a->sigma >= b->sigma : b->linear;
     struct pair pair = {.number = {ordered ? i : j, ordered ? j : i},
                         .focus = {gd__focus_of(ordered ? a : b), gd__focus_of(ordered ? b : a)}};

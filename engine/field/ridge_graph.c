@@ -3,8 +3,8 @@
 #include "base/array.h"
 #include "field/ridges.h"
 
-/* The graph of ridges: nodes where ends of parts meet, and the branches between nodes where not two
- * parts meet. */
+/* The graph of ridges. Ends of parts meet at nodes. A branch is a chain of parts between two nodes
+ * at which one part ends, or three or more meet. */
 
 /* --- parts ------------------------------------------------------------------------------------ */
 
@@ -175,7 +175,8 @@ static void count_part(struct gd__diagram *diagram, uint32_t number)
     for (uint32_t k = 0; k < 2; k++) count_end(diagram, number, k);
 }
 
-/* Returns true for a part whose ends are one node: it is as short as rounding, or dropped. */
+/* Returns true for a part whose ends are one node. Such a part is not longer than rounding, or it
+ * was dropped. */
 static bool is_point(const struct gd__bisector_part *part)
 {
     return part->node[0] == part->node[1];
@@ -226,7 +227,7 @@ static struct gd__local place_in(const struct gd_mesh *mesh, uint32_t face,
     return gd__face_local(mesh, mesh->face_side[face][0], weight);
 }
 
-/* Returns the first end on an element or behind it, in the sorted list. */
+/* Returns the first end of the sorted list that lies on this element or on a later one. */
 static uint32_t first_on(const struct gd__ridges *ridges, enum gd_point_kind kind, uint32_t element)
 {
     uint32_t from = 0, to = ridges->end_count;
@@ -242,7 +243,8 @@ static uint32_t first_on(const struct gd__ridges *ridges, enum gd_point_kind kin
     return from;
 }
 
-/* Replaces `best` by an end on an element of a face if that end is nearer. */
+/* Searches the ends on one element of a face. If one is nearer than `best`, replaces `best` by its
+ * node. */
 static void look_on(const struct gd__ridges *ridges, uint32_t loose, uint32_t face,
                     enum gd_point_kind kind, uint32_t element, struct neighbour *best)
 {
@@ -310,7 +312,7 @@ static bool is_on_part(const struct gd__diagram *diagram, const struct gd__bisec
 }
 
 /* Joins a loose end to the nearest node within GD_TOL_NODE. If a ridge meets the border of a view
- * or an edge at a small angle, rounding moves its end by much more than its own size. The part is
+ * or an edge at a small angle, the end moves by much more than the rounding error. The part is
  * extended or shortened to the node if the node is on its bisector. Otherwise a straight part joins
  * both. */
 static enum gd_status close_gap(struct gd__ridges *ridges, uint32_t loose)
@@ -319,7 +321,8 @@ static enum gd_status close_gap(struct gd__ridges *ridges, uint32_t loose)
     struct gd__diagram *diagram = &ridges->diagram;
     const struct gd_mesh *mesh = diagram->mesh;
     struct gd__bisector_part part = diagram->bisector_part[end->part];
-    /* the end of a copy along an edge may be close to another node (drop_copies) */
+    /* along edges the reach is small: a copy of a ridge (drop_copies) may end close to another
+     * node */
     double reach = (end->part < ridges->first_along ? GD_TOL_NODE : 10 * GD_TOL_CHECK) *
                    size_at(ridges, end->part);
     struct neighbour best = {.node = GD_NONE, .apart = reach};
@@ -377,7 +380,7 @@ static enum gd_status close_gaps(struct gd__ridges *ridges)
 
 /* --- removal of parts ------------------------------------------------------------------------- */
 
-/* Removes the parts for which `keep` is false. Numbers of parts change. */
+/* Removes the parts for which `keep` is false, and renumbers the others. */
 static void keep_parts(struct gd__ridges *ridges, const bool *keep)
 {
     struct gd__diagram *diagram = &ridges->diagram;
@@ -418,7 +421,7 @@ static void mark_branches(struct gd__ridges *ridges, double min_angle, uint32_t 
         keep[i] = keep[root_of(parent, i)] && !is_point(&diagram->bisector_part[i]);
 }
 
-/* Ends lines where other members meet. */
+/* Makes a node an end of lines if its two parts have different members. */
 static void end_at_members(struct gd__diagram *diagram)
 {
     for (uint32_t i = 0; i < diagram->node_count; i++) {

@@ -50,7 +50,7 @@ struct gd__ridges {
     double *angle; /* for each part */
     struct gd__ridge_end *end;
     struct gd__along *along;
-    uint32_t first_along; /* this part and the parts behind it run along edges */
+    uint32_t first_along; /* this part and all later parts run along edges */
     uint32_t angle_count, angle_capacity, end_count, end_capacity, along_count, along_capacity;
 };
 

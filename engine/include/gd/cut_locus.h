@@ -19,8 +19,8 @@
  *
  * The angle of a ridge at a point is the angle between the two directions of arrival. A ridge that
  * begins at a joint of a curve has the angle by which the curve turns there. A ridge that begins at
- * a vertex has the angle which the vertex lacks to a full angle. So `min_angle` removes ridges that
- * come from the facets of a smooth curve or a smooth surface. */
+ * a vertex has the missing angle of the vertex: the full angle minus the sum of its face angles. So
+ * `min_angle` removes ridges that come from the facets of a smooth curve or a smooth surface. */
 #ifndef GD_CUT_LOCUS_H
 #define GD_CUT_LOCUS_H
 
@@ -35,8 +35,8 @@ struct gd_cut_locus_options {
     /* largest distance of the polylines from the ridges; more than 0 */
     double tolerance;
     /* A branch of the graph, from an end or a meeting point to the next, is omitted if its angle is
-       below `min_angle` at all of its points. 0, or less than GD_CUT_LOCUS_ANGLE: that angle. At
-       most pi. */
+       below `min_angle` at all of its points. Values below GD_CUT_LOCUS_ANGLE, such as 0, mean
+       GD_CUT_LOCUS_ANGLE. At most pi. */
     double min_angle;
 };
 
