@@ -68,8 +68,8 @@ static float cut_at(float a, float b, float bound)
     return (bound - a) / (b - a);
 }
 
-/* Cuts a segment to the part within a picture's size of the picture. Returns false if there is no
- * such part. */
+/* Cuts off the parts of a segment that are farther from the picture than the picture's size.
+ * Returns false if no part is left. */
 static bool segment_clip(const struct gd__stage *stage, struct gd__screen_point *a,
                          struct gd__screen_point *b)
 {
@@ -95,8 +95,8 @@ static bool segment_clip(const struct gd__stage *stage, struct gd__screen_point 
     return true;
 }
 
-/* Divides a projected line. The bytes of the division are charged while it lasts, those of the
- * result for good. */
+/* Divides a projected line. The budget is charged for the scratch memory until the division ends,
+ * and for the result permanently. */
 static enum gd_status line_split(struct gd__layer *layer, const struct gd__stage *stage,
                                  const struct gd__screen_point *line, uint32_t count)
 {
@@ -120,7 +120,7 @@ static enum gd_status line_split(struct gd__layer *layer, const struct gd__stage
                : gd__budget_take(stage->budget, 2 * (after - before) * sizeof *layer->seen.places);
 }
 
-/* Projects a line of which parts are far outside the picture: divides it segment by segment. */
+/* Projects a line with parts far outside the picture, and divides it segment by segment. */
 static enum gd_status line_split_clipped(struct gd__layer *layer, const struct gd__stage *stage,
                                          const struct gd__screen_point *line, uint32_t count)
 {
@@ -132,8 +132,8 @@ static enum gd_status line_split_clipped(struct gd__layer *layer, const struct g
     return status;
 }
 
-/* Adds the head of an arrow, two strokes, if the line's end is visible or hidden parts are drawn
- * as visible ones are. */
+/* Adds the two strokes of an arrow's head if the line's end is visible, or if hidden parts are
+ * drawn like visible ones. */
 static void arrow_add(struct gd__layer *layer, const struct gd__stage *stage,
                       const struct gd__screen_point *line, uint32_t count)
 {
@@ -305,8 +305,8 @@ static double box_cost(const struct labels *labels, const struct label_box *box)
     return cost;
 }
 
-/* Finds the place around a mark where a label covers least: right, left, above, below, and the
- * corners. */
+/* Tries eight places of a label around its mark: right, left, above, below, and the corners.
+ * Returns the place where the label covers least. */
 static struct label_box label_place(const struct labels *labels, struct gd__pixel_point at,
                                     double width, double height, double away)
 {

@@ -6,7 +6,7 @@
 #include "render/canvas.h"
 #include "render/depth_buffer.h"
 
-/* What all layers of a picture share. */
+/* The data that all layers of a picture share. */
 struct gd__stage {
     const struct gd_mesh *mesh;
     const struct gd__camera *camera;
@@ -21,7 +21,7 @@ struct gd__mark {
     bool is_seen;
 };
 
-struct gd__layer { /* all zero but the first two: not projected yet */
+struct gd__layer { /* before the projection, all members except the first two are zero */
     const struct gd_picture_layer *wanted;
     struct gd__colour colour;
     struct gd__lines seen, hidden;
@@ -29,8 +29,8 @@ struct gd__layer { /* all zero but the first two: not projected yet */
     uint32_t mark_count;
 };
 
-/* Returns the colour of a layer: its own; for marks that of isolines; for lines, colour `number`
- * of a list. */
+/* Returns the colour that the layer sets. The default is the colour of isolines for marks, and
+ * colour `number` of a list for lines. */
 struct gd__colour gd__layer_colour(const struct gd_picture_layer *layer, uint32_t number,
                                    const struct gd__palette *palette);
 

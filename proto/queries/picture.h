@@ -26,12 +26,13 @@ bool proto_picture_parse(const struct proto_parameters *parameters, struct proto
                          struct proto_problem *problem);
 void proto_picture_free(struct proto_picture *picture); /* may be called repeatedly */
 
-/* Decodes the request of a figure. `out` must stay where it is. C code reads the bodies of layers
- * that are operations. Freed by proto_picture_free. Problems: as proto_picture_parse. */
+/* Decodes the request of a figure. `out` must not be moved, because it holds pointers to its own
+ * members. The bodies of layers that are operations are not decoded. Freed by proto_picture_free.
+ * Problems: as proto_picture_parse. */
 bool proto_picture_decode(const json_t *document, struct proto_picture *out,
                           struct proto_problem *problem);
 
-/* Return the member that names the layer's kind, or a form of layers. */
+/* Return the JSON member that names a kind of layers: the kind of `layer`, or the kind `form`. */
 const char *proto_picture_layer_name(const struct proto_picture_layer *layer);
 const char *proto_picture_form_name(unsigned form);
 

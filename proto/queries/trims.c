@@ -180,7 +180,7 @@ static bool read_trims(const json_t *value, struct trims *trims, struct proto_pr
     return ok;
 }
 
-/* Trims the surface. A fault's place is that of its curve. */
+/* Trims the surface. The problem of a fault points to the faulty curve. */
 static bool trim(const struct trims *trims, const struct gd_control *control,
                  struct gd_parametric **surface, struct proto_problem *problem)
 {

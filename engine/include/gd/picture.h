@@ -53,7 +53,7 @@ enum gd_background { GD_BACKGROUND_WHITE, GD_BACKGROUND_DARK, GD_BACKGROUND_TRAN
 /* A colour 0xRRGGBB (sRGB). A colour of 0 is the default, so black has a bit of its own. */
 #define GD_PICTURE_RGB(rgb) ((uint32_t)(rgb) | UINT32_C(1) << 24)
 
-/* The parts of lines and marks that the surface hides */
+/* How the parts of lines and marks that the surface hides are drawn. */
 enum gd_hidden { GD_HIDDEN_FAINT, GD_HIDDEN_NONE, GD_HIDDEN_SHOWN };
 
 enum gd_line_ends {
@@ -72,11 +72,12 @@ struct gd_picture_layer {
        NULL: the points are marks. */
     const uint32_t *first;
     uint32_t count; /* number of lines or marks */
-    /* Marks: a text of printable ASCII for each mark, or NULL; NULL: there are no labels. */
+    /* Marks: for each mark a text of printable ASCII, or NULL if it has no label. NULL: no mark has
+       a label. */
     const char *const *labels;
     uint32_t id;      /* number of the layer's group in an SVG file */
     const char *name; /* text of printable ASCII in the legend; NULL: not in the legend */
-    uint32_t colour;  /* GD_PICTURE_RGB; 0: another one for each layer */
+    uint32_t colour;  /* GD_PICTURE_RGB; 0: a different colour for each layer */
     double width;     /* of lines, 0: 3 for one line, 1.6 for several; radius of marks, 0: 4.2 */
     enum gd_hidden hidden;
     enum gd_line_ends ends; /* of lines */
@@ -116,7 +117,7 @@ struct gd_picture {
 
 /* Render the picture as a PNG or SVG file: `*size` bytes at `*bytes`, which the caller frees by
  * free. `control` may be NULL. Errors: GD_INVALID_ARGUMENT (a member is out of range, or the field
- * is one of another mesh), GD_BEYOND_REACH (a level exceeds the reach of a partial field),
+ * belongs to another mesh), GD_BEYOND_REACH (a level exceeds the reach of a partial field),
  * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: O(faces + pixels + points of layers),
  * and for a field the distances at the pixels; for figures see engine/doc/025. Memory: about 64
  * bytes a face, 17 a pixel, the isolines, and 40 bytes for each pixel that the longest line

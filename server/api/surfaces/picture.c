@@ -19,11 +19,11 @@
 #define BYTES_PER_EDGE  32 /* bytes needed for each edge while an isoline is traced */
 #define BYTES_PER_PIXEL 32
 
-#define PATH_SHARE   0.3 /* shares of the work */
+#define PATH_SHARE   0.3 /* shares of the work, for the progress of a job */
 #define LAYERS_SHARE 0.5
 #define MESH_SHARE   0.1
 
-#define NURBS_FACES          40000 /* so many that outlines are smooth */
+#define NURBS_FACES          40000 /* enough for smooth outlines */
 #define BYTES_PER_NURBS_FACE 400
 
 struct format {
@@ -39,7 +39,7 @@ struct picture {
     struct proto_picture wanted;
     struct gd_pair_answer route;
     struct server_picture_layers layers;
-    const struct gd_mesh *mesh;                   /* of the surface, or one of these: */
+    const struct gd_mesh *mesh;                   /* the surface's, or the mesh of one of these: */
     struct server_discretization *discretization; /* of a subdivision surface */
     struct gd_tessellation *tessellation;         /* of a NURBS surface */
     void *file;                                   /* NULL: not rendered yet, or already replied */

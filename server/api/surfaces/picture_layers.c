@@ -28,9 +28,9 @@ enum {
 struct layer_rule {
     bool is_known;
     const struct server_query_kind *kind; /* operation whose answer is drawn; NULL: none */
-    const char *const *fields;            /* of that answer */
+    const char *const *fields;            /* fields of this answer that are read */
     const char *select;                   /* the fields that have lines; NULL: all */
-    const char *wrapped;                  /* the layer's body is this member of the operation's */
+    const char *wrapped;                  /* the layer's body is this member of that of `kind` */
 };
 
 #define OWN                                                                                        \
@@ -140,7 +140,8 @@ static struct gd_picture_layer *drawn_add(struct server_picture_layers *layers, 
     return drawn;
 }
 
-/* Returns room for points, which the figure's query holds. NULL with the problem. */
+/* Allocates points that are freed with the figure's query. On failure, sets the problem and returns
+ * NULL. */
 static struct gd_vec3 *points_allocate(struct server_picture_layers *layers,
                                        struct server_query *query, uint64_t count)
 {
@@ -187,7 +188,7 @@ static bool part_decode(struct server_picture_layers *layers, struct server_quer
            body_decode(part, rule->wrapped, body);
 }
 
-/* Makes an array of the labels, of which empty ones become NULL. */
+/* Makes an array of the labels. Empty labels become NULL. */
 static bool labels_list(struct server_query *query, const struct proto_picture_layer *wanted,
                         struct gd_picture_layer *drawn)
 {
@@ -383,7 +384,8 @@ static bool part_draw(struct server_picture_layers *layers, struct server_query 
 
 /* --- NURBS ------------------------------------------------------------------------------------ */
 
-/* Sets lines of equal numbers of points. NULL: the problem is set; else the room for the points. */
+/* Sets `count` lines of `length` points each, and returns the array for their points. On failure,
+ * sets the problem and returns NULL. */
 static struct gd_vec3 *grid_lines(struct server_picture_layers *layers, struct server_query *query,
                                   uint32_t count, uint32_t length, struct gd_picture_layer *drawn)
 {
@@ -470,7 +472,7 @@ static bool net_draw(struct server_picture_layers *layers, struct server_query *
     return true;
 }
 
-/* Draws a layer that is no part. */
+/* Draws a layer whose content is not the answer of an operation. */
 static bool own_draw(struct server_picture_layers *layers, struct server_query *query, uint32_t i)
 {
     bool ok = true;
@@ -491,7 +493,7 @@ static bool own_draw(struct server_picture_layers *layers, struct server_query *
 
 /* --- solving ---------------------------------------------------------------------------------- */
 
-/* Takes one turn of a part. Its share of the work is that of one of all layers. */
+/* Runs one turn of a part. All layers have equal shares of the work. */
 static enum server_query_turn part_solve(struct server_picture_layers *layers,
                                          struct server_query *query, double share)
 {
