@@ -11,7 +11,7 @@ import xml.etree.ElementTree as ElementTree
 from harness import TestCase, sample
 from test_pictures import SVG, Png
 
-MARGIN = 0.1  # of the shorter side, if a unit is large in a small figure
+MARGIN = 0.1  # largest margin, relative to the shorter side
 SIDE = 4  # of the plate
 RED = (0xd1, 0x12, 0x1f)
 

@@ -141,7 +141,7 @@ static void points_have_two_paths(void **state)
     }
 }
 
-/* A greater least angle only removes branches. */
+/* A larger `min_angle` only removes branches. */
 static void angles_thin_out(void **state)
 {
     (void)state;
@@ -153,7 +153,7 @@ static void angles_thin_out(void **state)
         struct gd_voronoi locus = locus_of(field, angle);
         double length = length_of(&locus);
         assert_true(length <= before);
-        /* Only the ridges around the torus are left: two circles and what joins them. */
+        /* Only the ridges around the torus are left: two circles, and the ridges that join them. */
         if (angle > 0.35 && angle < 0.75) assert_true(length > 7 && length < 14);
         before = length;
         gd_voronoi_free(&locus);
@@ -206,8 +206,8 @@ static void foot_on_side(const struct polygon *polygon, uint32_t i, double x, do
     out[1] = a[1] + t * dy - y;
 }
 
-/* Returns how much farther the nearest place of the polygon in another direction is than the
- * nearest place; 0 on the medial axis and on the polygon. */
+/* Returns the distance to the nearest place of the polygon in another direction, minus the distance
+ * to the nearest place. The result is 0 on the medial axis and on the polygon. */
 static double second_way(const struct polygon *polygon, double x, double y, double least_angle)
 {
     double foot[CORNERS_MOST][2], best = INFINITY, second = INFINITY;
@@ -310,7 +310,7 @@ static void rectangle(void **state)
     }
 }
 
-/* An L has a corner that turns to the other side: its bisectors with sides are parabolas. */
+/* An L has a reflex corner. The bisectors between this corner and sides are parabolas. */
 static void other_polygons(void **state)
 {
     (void)state;
@@ -327,8 +327,9 @@ static void other_polygons(void **state)
     }
 }
 
-/* A regular polygon: a line from each corner to the middle. An ellipse: with a least angle between
- * the turn of a joint and that of the middle line, only a part of the long axis is left. */
+/* A regular polygon: a line from each corner to the middle. An ellipse: the ridges that begin at
+ * its joints have small angles, and `min_angle` removes them. Only a part of the long axis is
+ * left. */
 static void regular_polygons_and_ellipses(void **state)
 {
     (void)state;

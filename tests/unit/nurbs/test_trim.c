@@ -95,8 +95,8 @@ static double distance(const struct scene *scene, const double from[2], const do
     return length;
 }
 
-/* Returns the length of the path from p to q around a circle on its left or right: tangent, arc,
- * tangent. */
+/* Returns the length of the path from p to q that has a circle on its left or on its right:
+ * tangent, arc, tangent. */
 static double around_circle(const double p[2], const double q[2], const double c[2], double radius,
                             bool left)
 {
@@ -204,8 +204,8 @@ static void between_two_holes(void **state)
     close_scene(&scene);
 }
 
-/* A hole between two meridians and two parallels of a cylinder of radius 1 and height 3. The
- * developed path is a polyline over corners of a rectangle. */
+/* A cylinder of radius 1 and height 3 has a hole between two meridians and two parallels. The
+ * developed path is a polyline through corners of a rectangle. */
 static void around_a_hole_of_a_cylinder(void **state)
 {
     (void)state;
@@ -414,7 +414,7 @@ static void the_domain_ends_at_the_loops(void **state)
     assert_true(gd_parametric_contains(scene.surface, 2, 1 - 1e-6));
     assert_false(gd_parametric_contains(scene.surface, 2, 1 + 1e-6));
     assert_false(gd_parametric_contains(scene.surface, 2, 2));
-    /* nearest: inside, in the hole, beyond a corner */
+    /* nearest points: of a place in the domain, of one in the hole, of one beyond a corner */
     check_ok(
         gd_parametric_nearest(scene.surface, (struct gd_vec3){0.5, 0.7, 2}, NULL, &found, NULL),
         NULL);
@@ -462,7 +462,7 @@ static void a_curve_behind_a_hole(void **state)
     close_scene(&scene);
 }
 
-/* Paths from and to places of the loop. */
+/* Paths that begin or end on the loop. */
 static void paths_along_a_loop(void **state)
 {
     (void)state;
