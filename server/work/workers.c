@@ -16,7 +16,7 @@ struct server_workers {
     pthread_cond_t work, spare_work;
     struct server_lanes lanes;
     uint32_t thread_count; /* without spare ones */
-    /* number of number of threads that run a job, without spare threads; set under the lock */
+    /* number of threads that run a job, without spare threads; set under the lock */
     atomic_uint working;
     atomic_uint guests;
     /* number of threads; those after the first `thread_count` are spare */
