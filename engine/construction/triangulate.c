@@ -42,7 +42,7 @@ static enum gd_status refuse_split(struct gd__construction *work, uint32_t polyg
                 polygon, count);
     else
         gd_fail(work->detail, status,
-                "face %u has vertex %u as two of its corners, and is no ring with a bridge to a "
+                "face %u has vertex %u as two of its corners, and is not a ring with a bridge to a "
                 "hole: it can't be split into triangles",
                 polygon, repeated);
     gd_detail_add(work->detail, GD_ELEMENT_FACE, polygon, 0);

@@ -35,10 +35,10 @@ static enum gd_status check_sizes(struct gd__construction *work)
         return gd__offenders_report(&small, GD_ELEMENT_FACE, GD_DEGENERATE_FACE, detail);
     }
     if (large.total && work->options.refuse_polygons) {
-        gd_fail(detail, GD_NOT_TRIANGLES,
-                "face %u has %u corners and triangulation was refused; %llu faces are no triangles",
-                (unsigned)large.lowest[0].a, large.lowest[0].witness,
-                (unsigned long long)large.total);
+        gd_fail(
+            detail, GD_NOT_TRIANGLES,
+            "face %u has %u corners and triangulation was refused; %llu faces are not triangles",
+            (unsigned)large.lowest[0].a, large.lowest[0].witness, (unsigned long long)large.total);
         return gd__offenders_report(&large, GD_ELEMENT_FACE, GD_NOT_TRIANGLES, detail);
     }
     return GD_OK;

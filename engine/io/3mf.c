@@ -113,9 +113,10 @@ static enum gd_status link_uses(struct gd__3mf *package, uint32_t *order)
         struct gd__3mf_use *use = &package->uses[i];
         use->object = find_object(package, order, use->part, use->id);
         if (use->object == GD_NONE)
-            return gd_fail(
-                package->detail, GD_SYNTAX,
-                "a component or item refers to object %u, which the file does not define", use->id);
+            return gd_fail(package->detail, GD_SYNTAX,
+                           "a component or item refers to object %u, which the file does not "
+                           "define; define it, or remove this element",
+                           use->id);
     }
     return GD_OK;
 }
@@ -260,8 +261,8 @@ static enum gd_status enter(struct placing *placing, const struct gd__3mf_use *u
     enum gd_status status = place_mesh(placing, object, &place);
     if (status != GD_OK || object->use_count == 0) return status;
     if (placing->depth == DEPTH)
-        return gd_fail(package->detail, GD_UNSUPPORTED, "components are nested more than %d deep",
-                       DEPTH);
+        return gd_fail(package->detail, GD_UNSUPPORTED,
+                       "components are nested more than %d deep; flatten them", DEPTH);
     placing->steps[placing->depth++] = (struct step){
         object->first_use, object->first_use + object->use_count, object->part, place};
     return GD_OK;

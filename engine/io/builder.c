@@ -231,8 +231,8 @@ enum gd_status gd__builder_close_polygon(struct gd__builder *builder, const char
     size_t corners = builder->corner_count - builder->open;
     if (corners < 3) {
         builder->corner_count = builder->open;
-        return gd__builder_skip(builder, at, GD_SYNTAX, "a face has %zu corners, it needs three",
-                                corners);
+        return gd__builder_skip(builder, at, GD_SYNTAX,
+                                "a face has %zu corners; it needs at least three", corners);
     }
     builder->triangles += corners - 2;
     if (builder->triangles > builder->limits.max_faces) return too_many_faces(builder, at);
@@ -246,7 +246,7 @@ enum gd_status gd__builder_no_such_vertex(const struct gd__builder *builder, lon
                                           const char *at)
 {
     return gd__scan_fail(builder->scan, at, GD_INDEX,
-                         "a face names vertex %lld, but there are only %zu, counted from %u",
+                         "a face refers to vertex %lld, but there are only %zu, counted from %u",
                          number, builder->position_count, builder->index_base);
 }
 

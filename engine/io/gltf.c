@@ -65,8 +65,8 @@ enum gd_status gd__gltf_whole(const struct gd__gltf *gltf, uint32_t object, cons
     double number = (double)otherwise;
     if (value != GD__NO_VALUE && !gd__json_real(&gltf->json, value, &number)) number = -1;
     if (!(number >= 0 && number <= (double)most) || number != floor(number))
-        return gd__gltf_fail(gltf, value, GD_SYNTAX, "'%s' is no whole number from 0 to %llu", name,
-                             (unsigned long long)most);
+        return gd__gltf_fail(gltf, value, GD_SYNTAX, "'%s' must be a whole number from 0 to %llu",
+                             name, (unsigned long long)most);
     *out = (uint64_t)number;
     return GD_OK;
 }
@@ -80,8 +80,8 @@ enum gd_status gd__gltf_index(const struct gd__gltf *gltf, uint32_t value,
                              list->name);
     if (number >= list->count)
         return gd__gltf_fail(gltf, value, GD_SYNTAX,
-                             "number %.0f of the '%s' is named, but there are only %u", number,
-                             list->name, list->count);
+                             "the file refers to number %.0f of the '%s', but it has only %u",
+                             number, list->name, list->count);
     *out = (uint32_t)number;
     return GD_OK;
 }
@@ -109,7 +109,7 @@ enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object, cons
         if (!gd__json_real(&gltf->json, value, &out[read++])) break;
     }
     if (read == count && value == end) return GD_OK;
-    return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' has to be %u numbers", name, count);
+    return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' must have %u numbers", name, count);
 }
 
 /* --- the document ----------------------------------------------------------------------------- */
@@ -166,7 +166,7 @@ static enum gd_status check_version(const struct gd__gltf *gltf)
         asset == GD__NO_VALUE ? GD__NO_VALUE : gd__json_member(&gltf->json, asset, "version");
     if (version == GD__NO_VALUE)
         return gd__gltf_fail(gltf, 0, GD_SYNTAX,
-                             "the document is no glTF: it has no 'asset' with a 'version'");
+                             "the document is not glTF: it has no 'asset' with a 'version'");
     if (strncmp(gd__json_at(&gltf->json, version), "\"2.", 3) == 0) return GD_OK;
     return gd__gltf_fail(gltf, version, GD_UNSUPPORTED,
                          "the file is not of version 2 of glTF, only 2.0 is read: convert it");
@@ -187,7 +187,7 @@ static enum gd_status read_list(const struct gd__gltf *gltf, struct gd__gltf_lis
     uint32_t value = gd__json_member(json, 0, list->name);
     if (value == GD__NO_VALUE) return GD_OK;
     if (!gd__json_is(json, value, '['))
-        return gd__gltf_fail(gltf, value, GD_SYNTAX, "'%s' is no array", list->name);
+        return gd__gltf_fail(gltf, value, GD_SYNTAX, "'%s' is not an array", list->name);
     list->values = malloc((count_items(json, value) + (size_t)1) * sizeof *list->values);
     if (!list->values)
         return gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
@@ -243,9 +243,10 @@ static enum gd_status read_chunk(struct gd__scan *scan, uint32_t *type, struct g
     uint32_t size = gd__load_u32(scan->at, false);
     *type = gd__load_u32(scan->at + 4, false);
     if (size > gd__scan_left(scan) - CHUNK_HEADER)
-        return gd__scan_fail(scan, scan->at, GD_TRUNCATED,
-                             "a chunk of %u bytes is declared, but only %zu follow", size,
-                             gd__scan_left(scan) - CHUNK_HEADER);
+        return gd__scan_fail(
+            scan, scan->at, GD_TRUNCATED,
+            "a chunk of %u bytes is declared, but only %zu follow; send the whole file", size,
+            gd__scan_left(scan) - CHUNK_HEADER);
     *out = (struct gd__gltf_bytes){scan->at + CHUNK_HEADER, size};
     scan->at += CHUNK_HEADER + (size_t)size;
     return GD_OK;
@@ -267,7 +268,8 @@ static enum gd_status read_header(struct gd__scan *scan)
                              version);
     if (length > size || length < GLB_HEADER)
         return gd__scan_fail(scan, scan->at + 8, GD_TRUNCATED,
-                             "the GLB declares %u bytes, but has %zu", length, size);
+                             "the GLB declares %u bytes, but has %zu; send the whole file", length,
+                             size);
     scan->at += GLB_HEADER;
     scan->end = scan->begin + length;
     return GD_OK;
@@ -282,7 +284,7 @@ static enum gd_status open_glb(struct gd__gltf *gltf)
     if (status == GD_OK) status = read_chunk(scan, &type, &document);
     if (status == GD_OK && type != CHUNK_JSON)
         status = gd__scan_fail(scan, document.at - CHUNK_HEADER, GD_SYNTAX,
-                               "the first chunk of a GLB has to be JSON");
+                               "the first chunk of a GLB must be JSON");
     while (status == GD_OK && !gltf->binary.at && gd__scan_left(scan) > 0) {
         status = read_chunk(scan, &type, &chunk);
         if (status == GD_OK && type == CHUNK_BINARY) gltf->binary = chunk;

@@ -33,7 +33,7 @@ static enum gd_status rotate(const struct gd__gltf *gltf, uint32_t node, const d
     double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     if (!(norm > 0) || !isfinite(norm))
         return gd__gltf_fail(gltf, node, GD_SYNTAX,
-                             "the node's rotation is no quaternion of length 1");
+                             "the node's rotation must be a quaternion of length 1");
     double s = 2 / norm, x = q[0], y = q[1], z = q[2], w = q[3];
     *out = (struct gd__place){{{1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)},
                                {s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)},
@@ -85,7 +85,8 @@ static enum gd_status mark_visited(struct walk *walk, uint32_t number)
     const struct gd__gltf *gltf = walk->gltf;
     if (walk->marks[number] & IS_VISITED)
         return gd__gltf_fail(gltf, gltf->nodes.values[number], GD_SYNTAX,
-                             "node %u stands in the scene twice, or within itself", number);
+                             "node %u is in the scene twice, or below itself; use each node once",
+                             number);
     if (walk->depth == DEPTH)
         return gd__gltf_fail(gltf, gltf->nodes.values[number], GD_UNSUPPORTED,
                              "nodes are nested more than %d deep", DEPTH);
@@ -102,7 +103,7 @@ static enum gd_status list_of(const struct gd__gltf *gltf, uint32_t object, cons
     *begin = *end = 0;
     if (list == GD__NO_VALUE) return GD_OK;
     if (!gd__json_is(&gltf->json, list, '['))
-        return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' is no array", name);
+        return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' is not an array", name);
     *begin = list + 1;
     *end = gd__json_next(&gltf->json, list);
     return GD_OK;

@@ -183,9 +183,10 @@ static enum gd_status next_corner(struct run *run, uint32_t number, uint32_t *ou
         status = gd__gltf_accessor_next(&run->indices, index);
     if (status != GD_OK) return status;
     if (index[0] >= run->primitive->vertex_count)
-        return gd__gltf_fail(run->making->gltf, run->primitive->value, GD_INDEX,
-                             "corner %u names vertex %.0f of the primitive, which has only %u",
-                             number, index[0], run->primitive->vertex_count);
+        return gd__gltf_fail(
+            run->making->gltf, run->primitive->value, GD_INDEX,
+            "corner %u refers to vertex %.0f of the primitive, which has only %u vertices", number,
+            index[0], run->primitive->vertex_count);
     *out = (uint32_t)index[0];
     return look(run->making);
 }
@@ -243,8 +244,10 @@ static enum gd_status skip_excess(struct gd__builder *builder, const struct prim
                                   const char *at)
 {
     if (primitive->mode != MODE_TRIANGLES || primitive->corner_count % 3 == 0) return GD_OK;
-    return gd__builder_skip(builder, at, GD_SYNTAX, "%u corners are no number of whole triangles",
-                            primitive->corner_count);
+    return gd__builder_skip(
+        builder, at, GD_SYNTAX,
+        "%u corners do not form whole triangles; their number must be a multiple of 3",
+        primitive->corner_count);
 }
 
 static enum gd_status make_primitive(struct gd__gltf_making *making, uint32_t value,

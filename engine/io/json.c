@@ -80,7 +80,8 @@ static enum gd_status member_of(const struct gd__scan *scan, struct gd__word key
     for (enum member member = 0; member < MEMBER_COUNT; member++) {
         if (!gd__word_is(key, member_names[member])) continue;
         if (seen[member])
-            return gd__scan_fail(scan, key.at, GD_SYNTAX, "the key %s is there twice",
+            return gd__scan_fail(scan, key.at, GD_SYNTAX,
+                                 "the key %s appears twice; remove one of the two",
                                  member_names[member]);
         seen[member] = true;
         *out = member;

@@ -50,7 +50,7 @@ static enum gd_status read_keyword(struct gd__scan *scan)
     struct gd__scan ahead = *scan;
     if (gd__word_is(gd__scan_word(&ahead), "BINARY")) {
         return gd__scan_fail(scan, place, GD_UNSUPPORTED,
-                             "binary OFF is not supported, only its text form");
+                             "binary OFF is not supported; send the text form");
     }
     return GD_OK;
 }
@@ -82,7 +82,8 @@ static enum gd_status read_counts(struct gd__scan *scan, uint64_t *vertices, uin
     if (*vertices > left / SMALLEST_VERTEX ||
         *faces > (left - *vertices * SMALLEST_VERTEX) / SMALLEST_FACE) {
         return gd__scan_fail(scan, place, GD_TRUNCATED,
-                             "%llu vertices and %llu faces are declared, but only %zu bytes follow",
+                             "%llu vertices and %llu faces are declared, but only %zu bytes "
+                             "follow; send the whole file",
                              (unsigned long long)*vertices, (unsigned long long)*faces, left - 1);
     }
     return GD_OK;

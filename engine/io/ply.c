@@ -42,7 +42,8 @@ static double load(const char *at, enum gd__ply_type type, bool big_endian)
 
 static enum gd_status truncated(const struct ply *ply)
 {
-    return gd__scan_fail(ply->scan, ply->scan->at, GD_TRUNCATED, "the input ends within a record");
+    return gd__scan_fail(ply->scan, ply->scan->at, GD_TRUNCATED,
+                         "the input ends within a record; send the whole file");
 }
 
 static enum gd_status read_value(struct ply *ply, enum gd__ply_type type, double *out)

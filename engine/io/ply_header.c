@@ -247,7 +247,8 @@ enum gd_status gd__ply_read_header(struct gd__scan *scan, struct gd__builder *bu
     skip_header_end(scan, lone_cr);
     if (!holds_declared(scan, header)) {
         return gd__scan_fail(scan, scan->at, GD_TRUNCATED,
-                             "the header declares more than the %zu bytes behind it can hold",
+                             "the header declares more elements than the %zu bytes after it can "
+                             "hold; send the whole file",
                              gd__scan_left(scan));
     }
     return GD_OK;

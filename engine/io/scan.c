@@ -195,7 +195,7 @@ static enum gd_status refuse_nan(const struct gd__scan *scan, const char *hash)
     while (scan->at + length < scan->end && isgraph((unsigned char)scan->at[length]) &&
            length < sizeof(struct gd__excerpt))
         length++;
-    return gd__scan_fail(scan, scan->at, GD_NON_FINITE, "'%s' is no finite number",
+    return gd__scan_fail(scan, scan->at, GD_NON_FINITE, "'%s' is not a finite number",
                          gd__excerpt((struct gd__word){scan->at, length}).text);
 }
 

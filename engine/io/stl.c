@@ -91,9 +91,10 @@ static enum gd_status read_binary(struct stl *stl)
     uint32_t triangles = declared_triangles(scan);
     scan->at = scan->begin + PREAMBLE_SIZE;
     if (triangles > gd__scan_left(scan) / TRIANGLE_SIZE) {
-        return gd__scan_fail(scan, scan->begin + HEADER_SIZE, GD_TRUNCATED,
-                             "%u triangles are declared, but only %zu bytes follow", triangles,
-                             gd__scan_left(scan));
+        return gd__scan_fail(
+            scan, scan->begin + HEADER_SIZE, GD_TRUNCATED,
+            "%u triangles are declared, but only %zu bytes follow; send the whole file", triangles,
+            gd__scan_left(scan));
     }
     enum gd_status status = gd__builder_reserve(stl->builder, 0, triangles);
     for (uint32_t i = 0; status == GD_OK && i < triangles; i++) status = read_binary_triangle(stl);

@@ -65,11 +65,11 @@ static enum gd_status refuse_conflict(const struct gd__loops *loops, const struc
     if (p->loop == q->loop)
         return gd__loops_fail(fault, p->loop, curve,
                               "loop %u crosses or touches itself near (%.6g, %.6g): curves %u and "
-                              "%u; a loop is a simple closed curve",
+                              "%u; move them apart",
                               p->loop, at[0], at[1], other, curve);
     return gd__loops_fail(fault, p->loop, curve,
                           "curve %u of loop %u crosses or touches curve %u of loop %u near (%.6g, "
-                          "%.6g); loops are apart",
+                          "%.6g); move the loops apart",
                           curve, p->loop, other, q->loop, at[0], at[1]);
 }
 
@@ -158,14 +158,15 @@ static enum gd_status check_nesting(const struct gd__loops *loops, struct gd__pa
     const struct gd__loop_samples *samples = &loops->samples;
     for (uint32_t i = 0; i < loops->count; i++) {
         if (fabs(loop_area(loops, i)) <= GD__LOOPS_SAG * GD__LOOPS_SAG)
-            return gd__loops_fail(fault, i, 0, "loop %u encloses no area", i);
+            return gd__loops_fail(fault, i, 0, "loop %u encloses no area; remove it", i);
         for (uint32_t k = 0; k < loops->count; k++) {
             if (!gd__pace(pace, samples->count)) return pace->status;
             bool is_hole = i >= loops->has_outer, is_outer = loops->has_outer && k == 0;
             if (i == k || !is_hole) continue;
             bool inside = gd__loop_surrounds(loops, k, samples->at[samples->first[i]]);
             if (is_outer && !inside)
-                return gd__loops_fail(fault, i, 0, "hole %u lies outside the outer loop", i);
+                return gd__loops_fail(fault, i, 0, "hole %u lies outside the outer loop; remove it",
+                                      i);
             if (!is_outer && inside)
                 return gd__loops_fail(fault, i, 0, "hole %u lies inside hole %u; remove it", i, k);
         }

@@ -281,8 +281,8 @@ enum gd_status gd_direction_along(const struct gd_mesh *mesh, const struct gd_po
     }
     if (isinf(best.outside))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the vector is normal to the surface there: nothing of it is left when it "
-                       "is projected");
+                       "the vector is normal to the surface there: it has no direction on the "
+                       "surface; choose another one");
     if (!ring.is_closed && best.outside > GD_TOL_INPUT) return refuse_outside(detail);
     *out = direction_of(&ring, &best);
     return GD_OK;

@@ -120,7 +120,7 @@ static enum gd_status find_face(const struct gd_mesh *mesh, struct gd_face face,
     if (!gd_mesh_has_face(mesh, face))
         return gd_fail(detail, GD_OUT_OF_RANGE,
                        "face %u was removed when the mesh was repaired or welded: it had no area, "
-                       "or was there twice",
+                       "or was a duplicate",
                        face.index);
     *out = mesh->face_of_index[face.index];
     return GD_OK;

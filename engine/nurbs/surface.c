@@ -94,9 +94,9 @@ static enum gd_status check_axis(const struct gd_axis *axis, const char *name,
                                  struct gd_detail *detail)
 {
     if (!(isfinite(axis->low) && isfinite(axis->high) && axis->low < axis->high))
-        return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the domain in %s is no interval: it must begin below its end, both finite",
-                       name);
+        return gd_fail(
+            detail, GD_INVALID_ARGUMENT,
+            "the domain in %s is not an interval: it must begin below its end, both finite", name);
     for (uint32_t i = 0; i < axis->line_count; i++) {
         double below = i ? axis->lines[i - 1] : axis->low;
         if (!(axis->lines[i] > below && axis->lines[i] < axis->high))

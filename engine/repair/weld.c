@@ -152,7 +152,7 @@ static enum gd_status check_tolerance(struct gd__construction *work)
     if (tolerance == 0 || farthest / tolerance <= GD_EXTENT_MAX) return GD_OK;
     return gd_fail(work->detail, GD_INVALID_ARGUMENT,
                    "the weld tolerance is %g where coordinates reach %g: it welds only equal "
-                   "positions, as 0 does",
+                   "positions, as 0 does; use a larger one, or 0",
                    tolerance, farthest);
 }
 

@@ -22,7 +22,8 @@ static enum gd_status check_points(const struct gd_polygons *polygons, struct gd
             if (!isfinite(x))
                 return fail_at(detail, GD_ELEMENT_VERTEX, i, 0,
                                gd_fail(detail, GD_NON_FINITE,
-                                       "vertex %u has a coordinate that is no finite number", i));
+                                       "vertex %u has a coordinate that is not a finite number",
+                                       i));
             low = fmin(low, x);
             high = fmax(high, x);
         }

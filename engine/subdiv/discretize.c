@@ -29,7 +29,7 @@ static enum gd_status check_options(const struct gd_subdivision *surface,
                        options->level, GD__LEVEL_MOST);
     if (options->tolerance == 0 && options->level == 0 && surface->split_first)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the level is 0, but the control mesh has faces that are no quads: use "
+                       "the level is 0, but the control mesh has faces that are not quads: use "
                        "level 1 or more");
     return GD_OK;
 }

@@ -249,7 +249,7 @@ enum gd_status gd_limit_nearest(const struct gd_subdivision *surface, struct gd_
 {
     if (!gd_vec3_is_finite(xyz))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the point has a coordinate that is no finite number");
+                       "the point has a coordinate that is not a finite number");
     struct search search = {.xyz = xyz, .square = INFINITY};
     enum gd_status status =
         gd__walker_create(&search.walker, surface, gd__grid_stages(SEED_LEVEL), control);

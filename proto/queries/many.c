@@ -55,8 +55,8 @@ static bool check_vertices(const json_t *list, struct proto_problem *problem)
         double index = json_number_value(value);
         if (!json_is_number(value) || index < 0 || index > UINT32_MAX - 1 ||
             index != (double)(uint32_t)index)
-            return proto_problem_refuse(problem, "/vertices", "member %zu is no index of a vertex",
-                                        i);
+            return proto_problem_refuse(problem, "/vertices",
+                                        "member %zu is not the index of a vertex", i);
     }
     return true;
 }

@@ -178,10 +178,11 @@ static bool take_camera(const struct proto_picture_camera *camera, struct proto_
     picture->zoom = camera->zoom;
     picture->up = camera->has_up ? vector_of(camera->up) : (struct gd_vec3){0, 1, 0};
     if (camera->has_up && is_zero(camera->up))
-        return proto_problem_refuse(problem, "/camera/up", "the upward direction is not 0");
+        return proto_problem_refuse(problem, "/camera/up", "the upward direction must not be 0");
     if (camera->has_direction) {
         if (is_zero(camera->direction))
-            return proto_problem_refuse(problem, "/camera/direction", "the direction is not 0");
+            return proto_problem_refuse(problem, "/camera/direction",
+                                        "the direction must not be 0");
         picture->view = GD_VIEW_DIRECTION;
         picture->direction = vector_of(camera->direction);
     }

@@ -421,7 +421,7 @@ static bool refuse_bytes(struct proto_problem *problem, const char *why)
 {
     return proto_problem_set(
         problem, PROTO_PROBLEM_INVALID_REQUEST,
-        "the body is no arrays container, version 1: %s; see the reference at /docs", why);
+        "the body is not an arrays container, version 1: %s; see the reference at /docs", why);
 }
 
 static bool entry_read(const unsigned char *bytes, size_t size, const unsigned char *entry,
@@ -446,7 +446,7 @@ static bool entry_read(const unsigned char *bytes, size_t size, const unsigned c
         return refuse_bytes(problem, "an array has an unknown type");
     if (offset % 8 || offset > size || length > size - offset)
         return refuse_bytes(
-            problem, "an array lies beyond the end or at an offset that is no multiple of 8");
+            problem, "an array lies beyond the end or at an offset that is not a multiple of 8");
     if (out->rows > size || out->columns > size ||
         length != array_numbers(out) * type_bytes(out->type))
         return refuse_bytes(problem, "an array's number of bytes does not match its rows and "

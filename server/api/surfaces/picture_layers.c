@@ -374,9 +374,9 @@ static bool part_draw(struct server_picture_layers *layers, struct server_query 
                     server_arrays_find(arrays, "first"), drawn))
         return false;
     if (wanted->form == PROTO_PICTURE_LAYER_PATH && !drawn->count)
-        return proto_problem_refuse(
-            query->problem, "/to",
-            "no path leads there: the points lie in different components of the surface");
+        return proto_problem_refuse(query->problem, "/to",
+                                    "no path leads there: the points lie in different components "
+                                    "of the surface; name points of one component");
     if (wanted->form == PROTO_PICTURE_LAYER_PATH && wanted->ends) drawn->ends = GD_LINE_ENDS_MARKS;
     return (!wanted->controls || controls_draw(layers, query, i, arrays)) &&
            (!wanted->frames || frames_draw(layers, query, i, server_arrays_find(arrays, "frames")));

@@ -216,9 +216,9 @@ static const struct {
     enum gd_status status;
     const char *says;
 } mistakes[] = {
-    {"{'asset'", "{'accessories'", GD_SYNTAX, "no glTF"},
+    {"{'asset'", "{'accessories'", GD_SYNTAX, "not glTF"},
     {"'2.0'", "'1.0'", GD_UNSUPPORTED, "version 2"},
-    {"'version'", "'revision'", GD_SYNTAX, "no glTF"},
+    {"'version'", "'revision'", GD_SYNTAX, "not glTF"},
     {"'uri':'@'", "'uri':'square.bin'", GD_UNSUPPORTED, "another file, 'square.bin'"},
     {"'uri':'@'", "'uri':'data:text/plain,abc'", GD_UNSUPPORTED, "not encoded in base64"},
     {"'uri':'@'", "'uri':'data:;base64,AA*A'", GD_SYNTAX, "base64"},
@@ -280,8 +280,8 @@ static const struct {
     {"'indices':1}]}]", "'indices':1,'mode':7}]}]", GD_SYNTAX, "'mode'"},
     {"'indices':1}]}]", "'indices':1,'mode':2}]}]", GD_EMPTY, "points or lines"},
     {"'primitives':[", "'primitives':{},'p':[", GD_SYNTAX, "'primitives'"},
-    {"'meshes':[", "'meshes':7,'m':[", GD_SYNTAX, "'meshes' is no array"},
-    {"'nodes':[", "'nodes':{},'n':[", GD_SYNTAX, "'nodes' is no array"},
+    {"'meshes':[", "'meshes':7,'m':[", GD_SYNTAX, "'meshes' is not an array"},
+    {"'nodes':[", "'nodes':{},'n':[", GD_SYNTAX, "'nodes' is not an array"},
     {"'mesh':0", "'mesh':1", GD_SYNTAX, "'meshes'"},
     {"'mesh':0", "'mesh':0,'rotation':[0,0,0,0]", GD_SYNTAX, "rotation"},
     {"'mesh':0", "'mesh':0,'rotation':[0,0,1]", GD_SYNTAX, "4 numbers"},
@@ -289,10 +289,10 @@ static const struct {
     {"'mesh':0", "'mesh':0,'matrix':[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1,1]", GD_SYNTAX, "16 numbers"},
     {"'mesh':0", "'mesh':0,'translation':[1,2,'3']", GD_SYNTAX, "3 numbers"},
     {"'mesh':0", "'mesh':0,'translation':[1e999,2,3]", GD_NON_FINITE, "not a finite number"},
-    {"'mesh':0", "'mesh':0,'children':[0]", GD_SYNTAX, "within itself"},
-    {"'mesh':0", "'mesh':0,'children':[1,1]", GD_SYNTAX, "node 1 stands in the scene twice"},
+    {"'mesh':0", "'mesh':0,'children':[0]", GD_SYNTAX, "below itself"},
+    {"'mesh':0", "'mesh':0,'children':[1,1]", GD_SYNTAX, "node 1 is in the scene twice"},
     {"'mesh':0", "'mesh':0,'children':[2]", GD_SYNTAX, "only 2"},
-    {"'mesh':0", "'mesh':0,'children':7", GD_SYNTAX, "'children' is no array"},
+    {"'mesh':0", "'mesh':0,'children':7", GD_SYNTAX, "'children' is not an array"},
     {"'scene':0", "'scene':1", GD_SYNTAX, "'scenes'"},
     {"'scenes':[{'nodes':[0]}]", "'scenes':[{'nodes':[]}]", GD_EMPTY, NULL},
     {"'scenes':[{'nodes':[0]}]", "'scenes':[{'nodes':[0,0]}]", GD_SYNTAX, "twice"},
@@ -396,9 +396,9 @@ static void refuses_broken_containers(void **state)
         {BYTES("glTF\2\0\0\0\4\0\0\0abcdefgh"), GD_TRUNCATED, 8, "declares 4 bytes"},
         {BYTES("glTF\2\0\0\0\14\0\0\0"), GD_TRUNCATED, 12, "where a chunk should be"},
         {BYTES("glTF\2\0\0\0\24\0\0\0\1\0\0\0JSON"), GD_TRUNCATED, 12, "a chunk of 1 bytes"},
-        {BYTES("glTF\2\0\0\0\30\0\0\0\4\0\0\0BIN\0abcd"), GD_SYNTAX, 12, "has to be JSON"},
+        {BYTES("glTF\2\0\0\0\30\0\0\0\4\0\0\0BIN\0abcd"), GD_SYNTAX, 12, "must be JSON"},
         {BYTES("glTF\2\0\0\0\30\0\0\0\4\0\0\0JSONabcd"), GD_SYNTAX, 20, NULL},
-        {BYTES("glTF\2\0\0\0\30\0\0\0\4\0\0\0JSON{}  "), GD_SYNTAX, 20, "no glTF"},
+        {BYTES("glTF\2\0\0\0\30\0\0\0\4\0\0\0JSON{}  "), GD_SYNTAX, 20, "not glTF"},
     };
     check_bad(GD_FORMAT_GLB, bad, COUNT_OF(bad));
 }

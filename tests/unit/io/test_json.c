@@ -31,7 +31,7 @@ static const struct bad_input bad[] = {
     {BYTES("{}"), GD_SYNTAX, 2, "the key \"vertices\" is missing"},
     {BYTES("{" VERTICES "}"), GD_SYNTAX, 0, "the key \"faces\" is missing"},
     {BYTES("{" VERTICES ",}"), GD_SYNTAX, 0, "a key"},
-    {BYTES("{" VERTICES "," VERTICES "}"), GD_SYNTAX, 0, "\"vertices\" is there twice"},
+    {BYTES("{" VERTICES "," VERTICES "}"), GD_SYNTAX, 0, "\"vertices\" appears twice; remove"},
     {BYTES("{\"colour\":[]}"), GD_SYNTAX, 1, "unknown key \"colour\""},
     {BYTES("{\"\xC3\xA4\":[]}"), GD_SYNTAX, 1,
      "unknown key \"?"

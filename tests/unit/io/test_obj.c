@@ -49,7 +49,7 @@ static void skips_ignored_content(void **state)
 }
 
 static const struct bad_input bad[] = {
-    {BYTES("v 1.#INF 0 0\n"), GD_NON_FINITE, 1, "'1.#INF' is no finite number"},
+    {BYTES("v 1.#INF 0 0\n"), GD_NON_FINITE, 1, "'1.#INF' is not a finite number"},
     {BYTES("v 0 0 0\nv 0 0 -1.#QNAN\n"), GD_NON_FINITE, 2, "'-1.#QNAN'"},
     {BYTES("v 0 0 1.#\n"), GD_NON_FINITE, 1, NULL},
     {BYTES("# nothing\n"), GD_EMPTY, 0, "no faces"},
@@ -73,7 +73,8 @@ static const struct bad_input bad[] = {
     {BYTES("v 0 0 1e999\n"), GD_NON_FINITE, 1, NULL},
     {BYTES("v 0 0 -1.8e308\n"), GD_NON_FINITE, 1, NULL},
     {BYTES(TRIANGLE "f\n"), GD_SYNTAX, 4, "0 corners"},
-    {BYTES(TRIANGLE "f 1 2\n"), GD_SYNTAX, 4, "line 4: a face has 2 corners, it needs three"},
+    {BYTES(TRIANGLE "f 1 2\n"), GD_SYNTAX, 4,
+     "line 4: a face has 2 corners; it needs at least three"},
     {BYTES(TRIANGLE "f 1 2 3.5\n"), GD_SYNTAX, 4, "3.5"},
     {BYTES(TRIANGLE "f 1 2 a\n"), GD_SYNTAX, 4, "'a'"},
     {BYTES(TRIANGLE "f 1 2/x 3\n"), GD_SYNTAX, 4, "'x'"},
@@ -81,7 +82,7 @@ static const struct bad_input bad[] = {
     {BYTES(TRIANGLE "f /1 2 3\n"), GD_SYNTAX, 4, NULL},
     {BYTES(TRIANGLE "f 0 1 2\n"), GD_INDEX, 4, "vertex 0"},
     {BYTES(TRIANGLE "f 1 2 4\n"), GD_INDEX, 4,
-     "line 4: a face names vertex 4, but there are only 3"},
+     "line 4: a face refers to vertex 4, but there are only 3"},
     {BYTES(TRIANGLE "\n\n# x\r\nf 1 2 9\nf 1 2 3\n"), GD_INDEX, 7, "vertex 9"},
     {BYTES("f 1 2 3\nv 0 0 0\nv 1 0 0\n"), GD_INDEX, 1, "vertex 3"},
     {BYTES(TRIANGLE "f 1 2 -4\n"), GD_INDEX, 4, "vertex -4"},

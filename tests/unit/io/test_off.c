@@ -67,7 +67,7 @@ static const struct bad_input bad[] = {
      "the end of a face that began on another line"},
     {BYTES("OFFSET\n3 1 0\n" VERTICES "3 0 1 2\n"), GD_SYNTAX, 1, NULL},
     {BYTES("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 -1.#IND00\n3 0 1 2\n"), GD_NON_FINITE, 5,
-     "'-1.#IND00' is no finite number"},
+     "'-1.#IND00' is not a finite number"},
     {BYTES("OFF\n3 1 0\n" VERTICES "9000000000000000000 0 1 2\n"), GD_TRUNCATED, 7, NULL},
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 3\n"), GD_INDEX, 6,
      "vertex 3, but there are only 3, counted from 0"},

@@ -202,7 +202,7 @@ static const struct bad_input bad_binary[] = {
      "within a record"},
     {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS "\2" O4 O4 O4), GD_SYNTAX, 0, "2 corners"},
     {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS "\3" O4 O4 "\3\0\0\0"), GD_INDEX, 0,
-     "byte 205: a face names vertex 3"},
+     "byte 205: a face refers to vertex 3"},
     {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS "\3" O4 O4 "\xff\xff\xff\xff"), GD_INDEX, 0,
      "vertex -1"},
     {BYTES(LITTLE VERTEX FACE END "\0\0\xc0\x7f" O4 O4 O4 O4 O4 O4 O4 O4 LITTLE_TRIANGLE),
