@@ -19,7 +19,7 @@
 #include "server/http/tls.h"
 #include "server/work/thread_priority.h"
 
-/* Arrays of at least so many bytes return to the system when they are freed. By default glibc
+/* Arrays of at least this many bytes return to the system when they are freed. By default glibc
  * raises this bound with the size of freed arrays, and so keeps the memory of freed meshes and
  * fields. After some hundred uploads, that is half as much as the budget. */
 #define LARGE_BYTES (256 << 10)

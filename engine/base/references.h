@@ -1,5 +1,5 @@
-/* References: counts the owners of an immutable object, of which the count is the only mutable
- * member. Thread-safe. */
+/* References: counts the owners of an immutable object. The count is its only mutable member.
+ * Thread-safe. */
 #ifndef GD_BASE_REFERENCES_H
 #define GD_BASE_REFERENCES_H
 

@@ -162,8 +162,8 @@
 
 /* Nodes of a diagram are searched within this distance of their nudged positions, relative to the
  * edge or the face. Ends within this distance of each other are one node. If a bisector meets the
- * border of the views of two sources at a small angle, nudge and rounding move the bisector's end
- * by much more than their own size. */
+ * border of the views of two sources at a small angle, the bisector's end moves by much more than
+ * nudge and rounding. */
 #define GD_TOL_NODE 1e-6
 
 /* If two bisectors of three sources meet at a smaller angle, the distances do not determine the

@@ -39,7 +39,7 @@ static inline int gd__site_turn(struct gd__site a, struct gd__site b, struct gd_
     return (area > 0) - (area < 0);
 }
 
-/* Returns true if segments a-b and c-d cross in a point that is an end of neither. */
+/* Returns true if segments a-b and c-d cross at a point that is not an end of either segment. */
 static inline int gd__sites_cross(struct gd__site a, struct gd__site b, struct gd__site c,
                                   struct gd__site d)
 {

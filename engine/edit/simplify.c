@@ -43,9 +43,9 @@ static enum gd_status run(const struct gd_mesh *mesh, const struct gd_simplify_o
     return status;
 }
 
-/* Repeats the simplification until the distance is within its bound. The last attempt but one sets
- * the decimater's bound to 0, so that it allows only rounding errors. Even this attempt can fail.
- * The decimater measures distances from planes, so it does not detect faces that fold by 180
+/* Repeats the simplification until the distance is within its bound. The second to last attempt
+ * sets the decimater's bound to 0, so that it allows only rounding errors. Even this attempt can
+ * fail. The decimater measures distances from planes, so it does not detect faces that fold by 180
  * degrees within their plane. Therefore the last attempt collapses nothing. */
 static enum gd_status run_bounded(const struct gd_mesh *mesh,
                                   const struct gd_simplify_options *options,

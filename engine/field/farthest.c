@@ -184,7 +184,7 @@ static bool is_distance(const struct gd__source *first, const struct gd__source 
     return source->linear || r >= source->sigma - first->sigma;
 }
 
-/* Computes the places equally far from three sources, of which the first is a point, or all are
+/* Computes the places equally far from three sources. The first source is a point, or all are
  * linear. Returns the number of places. */
 static int places_between(const struct gd__source *const s[3], struct gd__local place[2])
 {

@@ -184,12 +184,12 @@ static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t f
            (gd__polar_beside(field->mesh, &seed->point, &polar) && polar.vertex == vertex);
 }
 
-/* Returns the amount by which a path through a wedge must be shorter than the known path. The
- * amount is the rounding of places in the face if the known path is short compared with the face
- * and comes from a point seed, directly or through a vertex beside both the point and the seed.
- * Such a path is more precise than a path through a wedge. In all other cases the amount is 0. In
- * particular, the amount is 0 for a known path through another corner, because the length of such a
- * path may be slightly too large. */
+/* Returns the amount by which a path through a wedge must be shorter than the known path. A known
+ * path is more precise than a path through a wedge if it is short compared with the face and comes
+ * from a point seed, directly or through a vertex beside both the point and the seed. For such a
+ * path, the amount is the rounding of places in the face. In all other cases the amount is 0. In
+ * particular, it is 0 for a known path through another corner, because the length of such a path
+ * may be slightly too large. */
 static inline double margin_of(const struct gd_field *field, uint32_t face, const double weight[3],
                                const struct gd__leg_key *best)
 {

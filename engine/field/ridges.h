@@ -1,8 +1,9 @@
 /* Ridges: a cut locus under construction, as a graph of nodes and parts.
  *
  * DESIGN
- * - A part is a piece of the branch of two sources of one face (sources.h), where both see the
- *   branch, no third source is nearer, and the paths arrive from different directions.
+ * - A part is a piece of the branch of two sources of one face (sources.h). On this piece, both
+ *   sources see the branch, no third source is nearer, and the paths arrive from different
+ *   directions.
  * - Two sources are *related* if one is on the paths of the other: two wedges of one source, a
  *   corner and the source behind it, a segment and its end. Then their distances differ, or agree
  *   together with their directions. So they have no ridge. Where they agree, one of them takes

@@ -163,7 +163,7 @@ static enum gd_status cover_by_others(const struct work *work, const struct gd__
     return status;
 }
 
-/* Appends the parts of the branch of two sources, of which the first is a point unless both are
+/* Appends the parts of the branch of two sources. The first source is a point unless both are
  * linear. */
 static enum gd_status append_between(const struct work *work, uint32_t i, uint32_t j)
 {

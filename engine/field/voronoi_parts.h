@@ -10,10 +10,10 @@
  *   An owner change is a node where the owner changes; both faces of the edge share it. If the
  *   first or last owner along an edge differs from the owner of the edge's end, the owner change is
  *   at that end.
- * - In a face, parts of bisectors are parts of the branches (voronoi_branch.h) of any two sources
- *   of different members, where both sources see the branch and no third source is nearer. The ends
- *   of parts are matched by place: with an owner change, with the end of a part of the same
- *   members, or with two others at a triple point.
+ * - In a face, any two sources of different members have a branch (voronoi_branch.h). The parts of
+ *   bisectors are the parts of branches that both sources see and to which no third source is
+ *   nearer. The ends of parts are matched by place: with an owner change, with the end of a part of
+ *   the same members, or with two others at a triple point.
  * - A bisector is a chain of parts, joined at nodes where two parts meet.
  * - Normalised unit. */
 #ifndef GD_FIELD_VORONOI_PARTS_H

@@ -16,9 +16,9 @@
 
 #include "subdiv/surface.h"
 
-/* Limit on halvings. After so many, a ring of any valence is smaller than rounding errors, because
- * it shrinks by a factor of 0.41 to 0.66 in a step. A place nearer to the vertex counts as the
- * vertex. */
+/* Limit on halvings. After this many halvings, a ring of any valence is smaller than rounding
+ * errors, because it shrinks by a factor of 0.41 to 0.66 in a step. A place nearer to the vertex
+ * counts as the vertex. */
 enum { GD__DEPTH_MOST = 85 };
 
 struct gd__stage {

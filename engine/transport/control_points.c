@@ -145,8 +145,8 @@ static enum gd_status paper_tangent(const struct gd__spline_work *work, uint32_t
 /* Computes the natural tangent (3/2) w / D - v / 2 at an end. D is the difference of the parameters
  * of the end and its neighbour, and v the neighbour's tangent, transported to the end. The vector w
  * has the length of the path between them and points forward along the curve: at the first point
- * towards the second, at the last point away from the last but one. A spline of two points without
- * given tangents has the tangents w / D. */
+ * towards the neighbour, at the last point away from it. A spline of two points without given
+ * tangents has the tangents w / D. */
 static enum gd_status natural_tangent(const struct gd__spline_work *work, bool at_end,
                                       bool is_alone, struct gd_vector *out)
 {

@@ -57,7 +57,7 @@ static enum closing close_facing(struct seam *s, double min_width)
                                                                         : CLOSING_DONE;
 }
 
-/* Joins two lists of which one ends where the other begins: cuts the overlap and removes dropped
+/* Joins two lists, one of which ends where the other begins. Cuts the overlap, and removes dropped
  * windows from both lists. Returns false if the lists must be merged. `newer` is a view of *count
  * windows. */
 static bool close_seam(struct gd__list *list, struct gd__windows *newer, uint32_t *count,

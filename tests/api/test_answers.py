@@ -29,7 +29,7 @@ def held(daemon, name):
 
 
 def square(count):
-    """Returns the request of a matrix with so many rows and columns."""
+    """Returns the request of a matrix with this many rows and columns."""
     those = [{"vertex": i % RING} for i in range(count)]
     return {"sources": those, "targets": those}
 

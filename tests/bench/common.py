@@ -143,7 +143,7 @@ def print_table(headers, rows):
 
 
 class Checks:
-    """Prints `ok` and `not ok` lines for tests/run.py, and knows the resulting exit status."""
+    """Prints `ok` and `not ok` lines for tests/run.py, and computes the exit status."""
 
     def __init__(self):
         self.failed = 0

@@ -69,7 +69,7 @@ static double discretize(const struct gd_subdivision *surface, uint32_t level, u
     return best;
 }
 
-/* Returns the first level with at least so many vertices, and the time of its discretization. */
+/* Returns the first level with at least this many vertices, and the time of its discretization. */
 static uint32_t choose_level(const struct gd_subdivision *surface, uint32_t least,
                              uint32_t *vertices, double *time)
 {

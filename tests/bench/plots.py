@@ -84,7 +84,7 @@ def runs_for(faces):
 
 
 def fits(points, faces):
-    """Returns whether a mesh of so many faces fits into time and memory, if the cost grows at the
+    """Returns whether a mesh of this many faces fits into time and memory, if the cost grows at the
     rate of the last two meshes."""
     if not points:
         return True

@@ -119,7 +119,7 @@ class Daemon:
 
 
 class Bare:
-    """A running gd_http_bare that answers with a body of so many bytes."""
+    """A running gd_http_bare that answers with a body of this many bytes."""
 
     def __init__(self, build, threads, size):
         command = [find_program(build / "gd_http_bare"), str(threads), str(size)]

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Makes allocations fail in the daemon (alloc_preload.c). During one request of each route, each
-allocation of the daemon, its libraries and libc is refused once for each call path that leads to
-it, alone and together with all later ones. The answer must be a problem (507, 503), the correct
+"""Makes allocations fail in the daemon (alloc_preload.c), during one request of each route. Each
+allocation of the daemon, its libraries and libc fails for each call path that leads to it: in one
+run alone, in another run with all later ones. The answer must be a problem (507, 503), the correct
 answer, or a closed connection. Afterwards the daemon still runs, answers the same request
 correctly, and holds no more memory than before.
 

@@ -58,7 +58,7 @@ static struct candidate pop(struct decimation *d)
 
 /* --- decimation ------------------------------------------------------------------------------- */
 
-/* Returns the factor by which edges near the slot's edge shall be shorter than elsewhere. */
+/* Returns the factor by which edges near the slot's edge are to be shorter than in other places. */
 static double density(const struct decimation *d, uint32_t slot)
 {
     uint32_t vertex = d->surface->corners[slot];

@@ -333,7 +333,7 @@ class Client:
 
     url: the daemon's address: http://HOST:PORT, https://HOST:PORT or unix:PATH (default:
     $GEODESICD_URL, or http://127.0.0.1:8080). key: the access key, if the daemon requires one
-    (default: $GEODESICD_KEY). timeout: a request fails after so many seconds without a byte.
+    (default: $GEODESICD_KEY). timeout: a request fails after this many seconds without a byte.
     retries: how often the client repeats a request if the daemon is busy or the connection fails.
     context: the TLS context.
     """
