@@ -193,7 +193,7 @@ void gd__region_destroy(struct gd__region *region)
 
 /* --- memory that is touched ahead ------------------------------------------------------------- */
 
-/* Returns the sizes of a spare that shall be prepared; bytes 0: none. */
+/* Returns the sizes of the spare to be prepared. With 0 bytes there is none. */
 static struct gd__kept spare_wanted(void)
 {
     struct gd__kept wanted = {0};

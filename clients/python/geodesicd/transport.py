@@ -46,8 +46,8 @@ class Transport:
     requests.
 
     url: http://HOST:PORT, https://HOST:PORT or unix:PATH. key: sent as a bearer token. timeout: a
-    request fails after this many seconds without a byte. retries: how often a request is repeated if
-    the daemon is busy (429, 503; after Retry-After, or with back-off) or the connection fails.
+    request fails after this many seconds without a byte. retries: how often a request is repeated
+    if the daemon is busy (429, 503; after Retry-After, or with back-off) or the connection fails.
     """
 
     def __init__(self, url: str, key: Optional[str], timeout: float, retries: int, context: Optional[ssl.SSLContext]):
