@@ -46,8 +46,8 @@ GD_MUST_USE enum gd_status gd__strip_along(const struct gd_mesh *mesh,
                                            const struct gd__route *route, struct gd__strip *strip,
                                            const struct gd_control *control);
 
-/* Removes portals that contain `from` or `to` at the ends of the strip, and unfolds the strip.
- * GD_INTERNAL: not a valid strip. O(count). */
+/* Removes portals at both ends of the strip: at the beginning those that contain `from`, at the end
+ * those that contain `to`. Then unfolds the strip. GD_INTERNAL: not a valid strip. O(count). */
 GD_MUST_USE enum gd_status gd__strip_lay(const struct gd_mesh *mesh, struct gd__strip *strip);
 
 /* gd__strip_entrance returns the placed side of the strip's first face as a portal.
@@ -57,7 +57,7 @@ struct gd__local gd__portal_place(const struct gd_mesh *mesh, const struct gd__p
                                   const struct gd_point *point);
 
 /* A vertex where the shortest line in a strip bends: the left or right end of a portal. If several
- * consecutive portals end there, the last one. */
+ * consecutive portals end there, `portal` is the last one. */
 struct gd__corner {
     uint32_t portal;
     bool is_left;
