@@ -34,8 +34,9 @@
  * the edge do not determine the angle at which the source is seen. */
 #define GD_TOL_FLAT 1e-7
 
-/* A source sees an edge end on if it lies beyond the edge's ends and less than this part of the
- * edge's length off its line. The path through the edge's end covers this case. */
+/* A source beyond the ends of an edge casts no window onto the edge if its distance from the edge's
+ * line is less than this part of the edge's length. The path through the edge's end covers this
+ * case. */
 #define GD_TOL_GRAZING 1e-13
 
 /* If a ray passes the apex of its face at a distance of more than this part of the crossed edge's

@@ -4,7 +4,7 @@
 #include "mesh/segment.h"
 
 /* Lines of a chunk that are prefetched together with its header, before its size is known. Waiting
- * for the header first would cost a cache miss more. Most chunks are shorter. */
+ * for the header first would cost one more cache miss. Most chunks are shorter. */
 enum { CACHE_LINE = 64, LINES_AT_ONCE = 7 };
 
 /* The distance at a point of a face is the minimum over the face's corners, the seeds in the face,

@@ -16,8 +16,7 @@ struct gd__pen {
 enum gd__anchor { GD__ANCHOR_START, GD__ANCHOR_MIDDLE };
 
 struct gd__text {
-    /* contains only characters of the stroke font: digits, ".+-e", the letters of "distance" and
-       "path length", and space */
+    /* printable ASCII, the characters of the stroke font (glyph.c) */
     const char *text;
     double x, y, size; /* place on the base line, and font size */
     enum gd__anchor anchor;

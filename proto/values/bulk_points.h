@@ -1,10 +1,10 @@
-/* Bulk points: reads lists of points from the text of a request without a document, which would
- * take a hundred times as much memory and most of the request's time.
+/* Bulk points: reads lists of points from the text of a request, without a document. A document
+ * would take a hundred times as much memory, and most of the request's time.
  *
- * Only plain text is read: {"from": […], "to": […]} with points in one of the forms
- * {"vertex": 1}, {"face": 1, "barycentric": [0.2, 0.3, 0.5]} and {"xyz": [1, 2, 3]}. If the text is
- * anything else, the functions return false, and the caller parses the document: it accepts the
- * other forms, and names faults. So whatever is read here must be read alike there. */
+ * Only plain text is read: {"from": […], "to": […]} with points in one of the forms {"vertex": 1},
+ * {"face": 1, "barycentric": [0.2, 0.3, 0.5]} and {"xyz": [1, 2, 3]}. If the text is anything else,
+ * the functions return false, and the caller parses the document. That parser accepts the other
+ * forms, too, and reports faults. Both parsers must give the same result for plain text. */
 #ifndef PROTO_BULK_POINTS_H
 #define PROTO_BULK_POINTS_H
 

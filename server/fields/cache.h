@@ -4,7 +4,7 @@
  *     hit = server_cache_find(fields, &source);             HTTP thread: a pinned field, or NULL
  *     if (!hit) server_cache_note(fields, &source);         count the miss
  *     switch (server_cache_enter(fields, &source, job, &build)) {      a worker
- *     case SERVER_CACHE_SEARCH: queried too rarely for a field: answer without
+ *     case SERVER_CACHE_SEARCH: queried too rarely for a field: answer without one
  *     case SERVER_CACHE_BUILD:  build; hit = server_cache_publish(build, field); ...
  *     case SERVER_CACHE_WAIT:   return; the parked job will be resumed
  *     case SERVER_CACHE_AGAIN:  the field exists now: call find again

@@ -113,8 +113,8 @@ struct server_query_kind {
     const struct server_form *forms; /* the answer's own forms, or NULL */
     bool has_bare_points;            /* geometry is xyz by default, not full */
     bool (*decode)(struct server_query *query, const json_t *document);
-    /* Reads the text of a large request without a document. False: `decode` shall read the
-     * document, which also names faults. May be NULL. */
+    /* Reads the text of a large request without a document. Returns false if `decode` must read the
+     * document, which also reports faults. May be NULL. */
     bool (*read_text)(struct server_query *query, const char *bytes, size_t size);
     bool (*parse)(struct server_query *query, const struct proto_parameters *parameters);
     /* Reads a request of arrays (arrays.h) with these names. If both members are NULL, requests are

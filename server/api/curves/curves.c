@@ -21,7 +21,7 @@
 /* fraction of the progress for resolving the curve; the rest is for using the curve */
 #define RESOLVE_SHARE 0.5
 
-/* The first member of the own struct of each kind of query. */
+/* Each kind of query has its own struct, which begins with this one. */
 struct curve_query {
     struct server_query query; /* must be the first member */
     struct proto_located_curve curve;

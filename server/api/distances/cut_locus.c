@@ -23,7 +23,7 @@ struct cut_locus_query {
     unsigned members;          /* PROTO_MEMBERS_… */
     struct gd_cut_locus_options options;
     struct gd_voronoi found;
-    struct gd_path *paths; /* of the lines; their points are those of `found` */
+    struct gd_path *paths; /* a path for each line; its points are in `found` */
 };
 
 static bool cut_locus_parse(struct server_query *query, const struct proto_parameters *parameters)

@@ -12,7 +12,7 @@
 struct server_picture_layers {                                     /* all zero: none */
     const struct proto_picture_layer_list *wanted;                 /* borrowed */
     struct server_query *parts[PROTO_PICTURE_REQUEST_LAYERS_MOST]; /* of each layer, or NULL */
-    /* the located points of each layer of a mesh that is points */
+    /* for each layer of the kind `points` on a mesh: its located points */
     struct proto_located_points located[PROTO_PICTURE_REQUEST_LAYERS_MOST];
     uint32_t next;   /* first part to solve */
     bool is_begun;   /* that part's try_inline ran */
@@ -21,13 +21,13 @@ struct server_picture_layers {                                     /* all zero: 
     uint32_t count;
 };
 
-/* Creates the parts and locates points of the request's layers, for the query of the figure, which
- * holds the memory. False with the problem at its layer. */
+/* Creates the parts of the request's layers, and locates their points. The figure's query holds the
+ * memory. On failure returns false with the problem, which points at the layer. */
 bool server_picture_layers_decode(struct server_picture_layers *layers, struct server_query *query,
                                   const json_t *document);
 
-/* Solves the parts, which are the part `share` of the query's work. DONE: all layers are listed in
- * `drawn`. */
+/* Solves the parts. They are the fraction `share` of the query's work. After DONE all layers are
+ * listed in `drawn`. */
 enum server_query_turn server_picture_layers_solve(struct server_picture_layers *layers,
                                                    struct server_query *query, double share);
 void server_picture_layers_free(struct server_picture_layers *layers);
