@@ -29,7 +29,7 @@ from common import Shimmed, build_shim  # noqa: E402
 
 FEW_SECONDS = 60
 LATE = (504, "deadline_exceeded")
-# the test repeats a hundred simultaneous requests at most so often until one misses its deadline
+# limit on repetitions of a hundred simultaneous requests, until one of them misses its deadline
 ROUNDS = 50
 
 

@@ -133,7 +133,7 @@ class CutLocus(TestCase):
                         if on_side(k, point):
                             ways = box.ways(k, point)
                             others = [length for length, image in ways if math.dist(image, ways[0][1]) > 1e-3]
-                            # a path to a vertex of the box is alone
+                            # only one shortest path leads to a vertex of the box
                             if not all(min(abs(point[i]), abs(point[i] - SIZE[i])) < 1e-9 for i in range(3)):
                                 self.assertLess(others[0] - ways[0][0], 1e-9, point)
             jumps = 0
