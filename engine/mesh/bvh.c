@@ -99,7 +99,7 @@ struct agenda {
     uint32_t count;
 };
 
-/* Pushes the children of `parent` that are within the limit on the agenda, the nearest on top. */
+/* Pushes the children of `parent` that are within the limit onto the agenda, the nearest on top. */
 static void push_children(const struct gd_bvh *bvh, const struct gd__bvh_search *search,
                           struct pending parent, struct agenda *agenda)
 {

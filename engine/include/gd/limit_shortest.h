@@ -8,7 +8,7 @@
 GD_EXTERN_C_BEGIN
 
 struct gd_limit_shortest {
-    /* on the limit surface; INFINITY means that no path (then there are no steps) */
+    /* on the limit surface; INFINITY means that there is no path, and no steps */
     double distance;
     double mesh_distance;  /* exact distance on the mesh */
     double error_estimate; /* estimated error of `distance` */

@@ -1,7 +1,7 @@
 /* NURBS: a tensor-product rational B-spline surface as a parametric surface.
  *
- * Source: L. Piegl, W. Tiller, The NURBS Book, chapters 2 to 4. Trimming loops are not
- * supported. */
+ * Source: L. Piegl, W. Tiller, The NURBS Book, chapters 2 to 4. gd_parametric_trim
+ * (gd/parametric.h) adds trimming loops. */
 #ifndef GD_NURBS_H
 #define GD_NURBS_H
 
