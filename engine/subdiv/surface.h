@@ -41,7 +41,7 @@ struct gd__chart {
 
 #define GD__CHART_WHOLE ((struct gd__chart){{0, 0}, {1, 0}, {0, 1}})
 
-/* gd__chart_child returns the chart of a child, in the coordinates into which `frame` maps.
+/* gd__chart_child returns the chart of a child, which maps to the same coordinates as `frame`.
  * gd__chart_out maps from a face's own coordinates to the outer ones; gd__chart_in is the
  * inverse. */
 struct gd__chart gd__chart_child(const struct gd__chart *frame, const struct gd__child *child);
