@@ -836,7 +836,7 @@ export type PictureCamera = {
  * `surface`, `path`, `trace` and `points`; NURBS surfaces have `surface`, `path`, `curve_distance`,
  * `point_curve_distance`, `points`, `isoparametric` and `control_net`; meshes have all others.
  */
-export type PictureLayer = (PictureSurfaceLayer | PictureFieldLayer | PictureIsolinesLayer | PicturePathLayer | PictureTraceLayer | PictureExpLayer | PictureSplineLayer | PictureCurveLayer | PictureCurveDistanceLayer | PictureVoronoiLayer | PicturePointsLayer | PicturePointCurveDistanceLayer | PictureIsoparametricLayer | PictureControlNetLayer);
+export type PictureLayer = (PictureSurfaceLayer | PictureFieldLayer | PictureIsolinesLayer | PicturePathLayer | PictureTraceLayer | PictureExpLayer | PictureSplineLayer | PictureCurveLayer | PictureCurveDistanceLayer | PictureVoronoiLayer | PictureCutLocusLayer | PicturePointsLayer | PicturePointCurveDistanceLayer | PictureIsoparametricLayer | PictureControlNetLayer);
 
 /** How the surface itself is drawn. */
 export type PictureSurfaceLayer = {
@@ -927,6 +927,15 @@ export type PictureCurveDistanceLayer = {
 /** The bisectors of `POST …/voronoi`. */
 export type PictureVoronoiLayer = {
   voronoi: VoronoiRequest;
+  color?: PictureColor;
+  width?: PictureWidth;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
+/** The lines of `POST …/cut-locus`. */
+export type PictureCutLocusLayer = {
+  cut_locus: CutLocusRequest;
   color?: PictureColor;
   width?: PictureWidth;
   hidden?: PictureHidden;

@@ -147,6 +147,7 @@ const char *proto_picture_form_name(unsigned form)
                                         [PROTO_PICTURE_LAYER_CURVE] = "curve",
                                         [PROTO_PICTURE_LAYER_CURVE_DISTANCE] = "curve_distance",
                                         [PROTO_PICTURE_LAYER_VORONOI] = "voronoi",
+                                        [PROTO_PICTURE_LAYER_CUT_LOCUS] = "cut_locus",
                                         [PROTO_PICTURE_LAYER_POINTS] = "points",
                                         [PROTO_PICTURE_LAYER_POINT_CURVE_DISTANCE] =
                                             "point_curve_distance",

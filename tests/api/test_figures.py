@@ -227,6 +227,14 @@ class FigureTests(FigureCase):
         for place in lines[0]:
             self.assertAlmostEqual(math.dist(place, project(a)), math.dist(place, project(b)), delta=0.1)
 
+    def test_the_cut_locus_of_a_square_is_its_diagonals(self):
+        body = {"set": {"curves": [{"points": [{"xyz": [x, y, 0]} for x, y in ((1, 1), (3, 1), (3, 3), (1, 3))], "closed": True}]}, "members": "segments"}
+        lines, figure = self.asked("plate", "cut-locus?geometry=xyz", body)["lines"], self.figure([{"cut_locus": body, "color": "#00ff00"}])
+        self.assertEqual(len(figure.lines(0)), len(lines))
+        self.assertEqual(set(figure.strokes(0)), {"#00ff00"})
+        self.assert_drawn([(1.2, 1.2, 0), (2, 2, 0), (1.5, 2.5, 0), *(point for line in lines for point in line["points"])], figure.lines(0), self.projection())
+        self.assertGreater(min(distance_to_line(self.projection()((2, 1.5, 0)), line) for line in figure.lines(0)), 10)
+
     def test_isolines_at_levels_are_circles(self):
         levels = [0.5, 1, 1.5]
         figure = self.figure([{"field": {"points": [{"xyz": [2, 2, 0]}]}}, {"isolines": {"levels": levels}, "color": "#ff0000", "width": 2}])
@@ -318,7 +326,7 @@ class FigureTests(FigureCase):
     def test_a_problem_names_the_layer(self):
         point, far = {"vertex": 0}, {"vertex": 7777}
         detail = self.refused([{"tracks": {}}], "/layers/0")
-        for kind in ("surface", "field", "isolines", "path", "trace", "exp", "spline", "curve", "curve_distance", "voronoi", "points"):
+        for kind in ("surface", "field", "isolines", "path", "trace", "exp", "spline", "curve", "curve_distance", "voronoi", "cut_locus", "points"):
             self.assertIn(kind, detail)
         self.refused([{}], "/layers/0")
         self.refused([7], "/layers/0")
@@ -330,6 +338,8 @@ class FigureTests(FigureCase):
         self.refused([{"points": [point, far]}], "/layers/0/points/1")
         self.refused([{"field": {"points": [far]}}], "/layers/0/field/points/0")
         self.refused([{"voronoi": {"set": {"points": [far]}}}], "/layers/0/voronoi/set/points/0")
+        self.refused([{"cut_locus": {"set": {"points": [far]}}}], "/layers/0/cut_locus/set/points/0")
+        self.refused([{"cut_locus": {"set": {"points": [point]}, "min_angle": 4}}], "/layers/0/cut_locus/min_angle")
         self.refused([{"isolines": {"count": 3}}], "/layers/0/isolines")
         self.refused([{"field": {"points": [point]}, "max_distance": 1}, {"isolines": {"levels": [0.5, 2]}}], "/layers/1/isolines")
         self.refused([{"field": {"points": [point]}}, {"field": {"points": [point]}}], "/layers/1/field")

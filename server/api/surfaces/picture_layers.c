@@ -53,6 +53,7 @@ static const struct layer_rule mesh_rules[] = {
     [PROTO_PICTURE_LAYER_CURVE] = PART(curve, curve_operation, NULL),
     [PROTO_PICTURE_LAYER_CURVE_DISTANCE] = PART(curve_distance, curve_distance, NULL),
     [PROTO_PICTURE_LAYER_VORONOI] = PART(voronoi, voronoi, "bisectors"),
+    [PROTO_PICTURE_LAYER_CUT_LOCUS] = PART(cut_locus, cut_locus, "lines"),
     [PROTO_PICTURE_LAYER_POINTS] = OWN,
     [PROTO_PICTURE_LAYER_CONTROL_NET] = {0}};
 
