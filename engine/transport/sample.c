@@ -98,6 +98,7 @@ static enum gd_status sample_put(struct sampling *s, const struct gd__polygon *l
 {
     enum gd_status status = sample_describe(s, left, right, parameter, speed);
     if (!status) status = sample_reach(s, left, &s->places[s->count - 1].point);
+    if (!status) s->places[s->count - 1].along = s->path.length * s->sampler.mesh->unit;
     gd__route_clear(&s->pending);
     if (!status)
         status = gd__route_add(&s->pending, &s->places[s->count - 1].point, 0,

@@ -156,6 +156,7 @@ struct gd_spline_place {
     /* unit tangent of the curve; defined also where the speed is 0 */
     struct gd_direction tangent;
     double speed; /* length per unit of the parameter */
+    double along; /* length of the line's path up to this place */
 };
 
 struct gd_spline_line {

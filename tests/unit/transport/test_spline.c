@@ -260,6 +260,20 @@ static bool is_clipped(const struct gd_spline *spline)
     return is;
 }
 
+/* The path to a place is as long as `along`: from place to place at least as long as the chord, and
+ * in all as long as the path. */
+static void check_along(const struct gd_mesh *mesh, const struct gd_spline_line *line)
+{
+    const struct gd_spline_place *places = line->places;
+    assert_true(places[0].along == 0);
+    for (uint32_t i = 1; i < line->count; i++) {
+        double chord = gd_vec3_distance(gd_point_position(mesh, &places[i - 1].point),
+                                        gd_point_position(mesh, &places[i].point));
+        assert_true(places[i].along - places[i - 1].along >= chord - 1e-12 * line->path.length);
+    }
+    assert_true(places[line->count - 1].along == line->path.length);
+}
+
 static void check_laws(const struct surface *surface, const struct gd_point *points,
                        struct gd_spline_request request)
 {
@@ -270,6 +284,7 @@ static void check_laws(const struct surface *surface, const struct gd_point *poi
     struct gd_spline_line line =
         sample(mesh, &spline, (struct gd_spline_sampling){.per_segment = 8});
     check_path(mesh, &line.path);
+    check_along(mesh, &line);
     for (uint32_t i = 0; i <= spline.count; i++) {
         assert_true(gd_point_equal(&line.places[8 * i].point, &points[i % request.count]));
         if (is_clipped(&spline)) continue;
