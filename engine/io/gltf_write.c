@@ -1,6 +1,6 @@
 /* Writes glTF (gltf_write.h). The data is, in this order: positions, indices, colours, distances,
- * points of the lines. Each kind has one view and one accessor, except that each line has its own
- * accessor. */
+ * points of the lines, data of the moving object (gltf_motion.h). Each kind has one view and one
+ * accessor, except that each line has its own accessor. */
 #include "io/gltf_write.h"
 
 #include <math.h>
@@ -8,12 +8,14 @@
 
 #include "gd/colour_map.h"
 #include "io/base64.h"
+#include "io/gltf_motion.h"
 
 #define CHUNK_JSON   UINT32_C(0x4E4F534A)
 #define CHUNK_BINARY UINT32_C(0x004E4942)
 
 enum { TYPE_SHORT = 5123, TYPE_INT = 5125, TYPE_FLOAT = 5126 };
 enum { TARGET_VERTICES = 34962, TARGET_INDICES = 34963 };
+enum { MOTION_VIEWS = 5 }; /* of the moving object, each with one accessor */
 
 /* Grey, for vertices whose distance is unknown. */
 static const struct gd_colour unknown = {0.5, 0.5, 0.5};
@@ -26,6 +28,7 @@ struct writing {
     const struct gd_result *result;
     double origin[3];                      /* the origin, which is subtracted from all positions */
     double largest;                        /* largest distance */
+    uint32_t keys;                         /* of the moving object; 0 if there is none */
     uint32_t views, accessors, primitives; /* written so far */
     uint64_t bytes;                        /* total bytes of the views written so far */
     struct gd__output *json, *binary;
@@ -196,6 +199,7 @@ static void write_binary(const struct writing *writing)
         write_distances(writing);
     }
     write_lines(writing);
+    if (writing->keys) gd__motion_write(writing->binary, result, writing->origin);
 }
 
 /* --- the document ----------------------------------------------------------------------------- */
@@ -224,16 +228,26 @@ static void triple(struct writing *writing, const char *key, const double values
 }
 
 /* Writes a view. `stride` is the number of bytes from element to element, required if several
- * accessors share the view; 0 if not written. */
+ * accessors share the view; 0 if not written. `target` is 0 for data of an animation. */
 static void describe_view(struct writing *writing, uint64_t size, unsigned stride, unsigned target)
 {
     text(writing, writing->views++ ? ",{\"buffer\":0" : "{\"buffer\":0");
     member(writing, ",\"byteOffset\":", writing->bytes);
     member(writing, ",\"byteLength\":", size);
     if (stride) member(writing, ",\"byteStride\":", stride);
-    member(writing, ",\"target\":", target);
+    if (target) member(writing, ",\"target\":", target);
     text(writing, "}");
     writing->bytes += size;
+}
+
+static void describe_motion_views(struct writing *writing)
+{
+    uint64_t keys = writing->keys;
+    describe_view(writing, GD__AXIS_POINTS * GD__POSITION_BYTES, 0, TARGET_VERTICES);
+    describe_view(writing, GD__AXIS_POINTS * GD__COLOUR_BYTES, 0, TARGET_VERTICES);
+    describe_view(writing, keys * GD__TIME_BYTES, 0, 0);
+    describe_view(writing, keys * GD__POSITION_BYTES, 0, 0);
+    describe_view(writing, keys * GD__QUATERNION_BYTES, 0, 0);
 }
 
 static void describe_views(struct writing *writing)
@@ -253,6 +267,7 @@ static void describe_views(struct writing *writing)
     }
     if (points)
         describe_view(writing, 12 * points, result->line_count > 1 ? 12 : 0, TARGET_VERTICES);
+    if (writing->keys) describe_motion_views(writing);
     text(writing, "]");
 }
 
@@ -296,9 +311,29 @@ static bool describe_mesh(struct writing *writing)
     return true;
 }
 
+/* `view` is the first view of the moving object. */
+static void describe_motion_accessors(struct writing *writing, uint32_t view)
+{
+    double length = (double)gd__motion_axis(writing->result);
+    begin_accessor(writing, view, 0, TYPE_FLOAT, GD__AXIS_POINTS);
+    triple(writing, ",\"type\":\"VEC3\",\"min\":", (const double[]){0, 0, 0});
+    triple(writing, ",\"max\":", (const double[]){length, length, length});
+    text(writing, "}");
+    begin_accessor(writing, view + 1, 0, TYPE_SHORT, GD__AXIS_POINTS);
+    text(writing, ",\"normalized\":true,\"type\":\"VEC4\"}");
+    begin_accessor(writing, view + 2, 0, TYPE_FLOAT, writing->keys);
+    member(writing, ",\"type\":\"SCALAR\",\"min\":[0],\"max\":[", GD_RESULT_SECONDS);
+    text(writing, "]}");
+    begin_accessor(writing, view + 3, 0, TYPE_FLOAT, writing->keys);
+    text(writing, ",\"type\":\"VEC3\"}");
+    begin_accessor(writing, view + 4, 0, TYPE_FLOAT, writing->keys);
+    text(writing, ",\"type\":\"VEC4\"}");
+}
+
 static bool describe_accessors(struct writing *writing)
 {
     const struct gd_result *result = writing->result;
+    uint32_t lines = writing->views - 1 - (writing->keys ? MOTION_VIEWS : 0);
     bool fits = true;
     uint64_t offset = 0;
     text(writing, ",\"accessors\":[");
@@ -306,10 +341,10 @@ static bool describe_accessors(struct writing *writing)
     for (uint32_t line = 0; fits && line < result->line_count; line++) {
         uint32_t begin = result->first[line], count = result->first[line + 1] - begin;
         size_t written = strip_points(result, line);
-        fits = describe_positions(writing, writing->views - 1, offset, result->points + begin,
-                                  count, written);
+        fits = describe_positions(writing, lines, offset, result->points + begin, count, written);
         offset += 12 * written;
     }
+    if (fits && writing->keys) describe_motion_accessors(writing, lines + 1);
     text(writing, "]");
     return fits;
 }
@@ -321,21 +356,58 @@ static void write_level(struct writing *writing, double level)
     text(writing, "}");
 }
 
-static void describe_scene(struct writing *writing)
+/* Writes the mesh of the moving object. `accessor` is its first one. */
+static void describe_object(struct writing *writing, uint32_t accessor)
 {
-    const struct gd_result *result = writing->result;
-    uint32_t accessor = 0, primitives = 0;
+    member(writing, ",{\"primitives\":[{\"attributes\":{\"POSITION\":", accessor);
+    member(writing, ",\"COLOR_0\":", accessor + UINT64_C(1));
+    text(writing, "},\"mode\":1,\"material\":2}]}");
+}
+
+static void describe_sampler(struct writing *writing, uint32_t input, uint32_t output)
+{
+    member(writing, "{\"interpolation\":\"LINEAR\",\"input\":", input);
+    member(writing, ",\"output\":", output);
+    text(writing, "}");
+}
+
+/* `input` is the accessor of times. */
+static void describe_animation(struct writing *writing, uint32_t input)
+{
+    text(writing, ",\"animations\":[{\"name\":\"motion\",\"channels\":["
+                  "{\"sampler\":0,\"target\":{\"node\":1,\"path\":\"translation\"}},"
+                  "{\"sampler\":1,\"target\":{\"node\":1,\"path\":\"rotation\"}}],\"samplers\":[");
+    describe_sampler(writing, input, input + 1);
+    text(writing, ",");
+    describe_sampler(writing, input, input + 2);
+    text(writing, "]}]");
+}
+
+/* Writes the scene. The moving object is a child of the first node, so that its translations, which
+ * are floats, are relative to the origin. */
+static void describe_nodes(struct writing *writing)
+{
     triple(writing,
            "{\"asset\":{\"version\":\"2.0\",\"generator\":\"geodesicd\"},\"scene\":0,\"scenes\":[{"
            "\"nodes\":[0]}],"
            "\"nodes\":[{\"mesh\":0,\"translation\":",
            writing->origin);
+    text(writing, writing->keys ? ",\"children\":[1]},{\"name\":\"object\",\"mesh\":1}]" : "}]");
+}
+
+static void describe_scene(struct writing *writing)
+{
+    const struct gd_result *result = writing->result;
+    uint32_t accessor = 0, primitives = 0;
+    describe_nodes(writing);
     text(writing,
-         "}],\"materials\":[{\"name\":\"surface\",\"doubleSided\":true,\"pbrMetallicRoughness\":"
+         ",\"materials\":[{\"name\":\"surface\",\"doubleSided\":true,\"pbrMetallicRoughness\":"
          "{\"metallicFactor\":0,\"roughnessFactor\":0.9}},{\"name\":\"line\","
          "\"pbrMetallicRoughness\":"
-         "{\"baseColorFactor\":[0.64,0.006,0.013,1],\"metallicFactor\":0}}],\"meshes\":[{"
-         "\"primitives\":[");
+         "{\"baseColorFactor\":[0.64,0.006,0.013,1],\"metallicFactor\":0}}");
+    if (writing->keys)
+        text(writing, ",{\"name\":\"axes\",\"pbrMetallicRoughness\":{\"metallicFactor\":0}}");
+    text(writing, "],\"meshes\":[{\"primitives\":[");
     if (result->mesh) {
         text(writing, "{\"attributes\":{\"POSITION\":0");
         if (result->distances) text(writing, ",\"COLOR_0\":2,\"_DISTANCE\":3");
@@ -351,7 +423,10 @@ static void describe_scene(struct writing *writing)
         if (result->levels) write_level(writing, result->levels[line]);
         text(writing, "}");
     }
-    text(writing, "]}]");
+    text(writing, "]}");
+    if (writing->keys) describe_object(writing, accessor);
+    text(writing, "]");
+    if (writing->keys) describe_animation(writing, accessor + 2);
 }
 
 /* Writes the document up to the length of its one buffer, which the caller writes. */
@@ -382,6 +457,8 @@ static enum gd_status begin(struct writing *writing)
     if (result->mesh && !gd_polygons_are_triangles(result->mesh)) return GD_NOT_TRIANGLES;
     writing->largest = largest_distance(result);
     find_origin(writing);
+    writing->keys = gd__motion_count(result);
+    if (writing->keys && !gd__motion_fits(result, writing->origin)) return GD_NON_FINITE;
     return describe(writing) ? GD_OK : GD_NON_FINITE;
 }
 

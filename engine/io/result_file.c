@@ -151,6 +151,7 @@ size_t gd_result_cost(const struct gd_result *result)
 {
     double rows = result->mesh ? result->mesh->position_count : 0;
     if (result->line_count) rows += result->first[result->line_count] + (double)result->line_count;
+    rows += result->pose_count;
     double corners =
         result->mesh ? gd_polygons_corner_count(result->mesh) + (double)result->mesh->polygon_count
                      : 0;

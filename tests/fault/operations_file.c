@@ -133,16 +133,21 @@ static enum gd_status write_quads(void *out)
     return gd_write_polygons(&quads, GD_FORMAT_JSON, &text->bytes, &text->size);
 }
 
-/* Writes a result with arbitrary distances and a line. */
+/* Writes a result with arbitrary distances, a line, and an object that moves along the line. */
 static enum gd_status write_result(void *out)
 {
     struct text *text = out;
     const uint32_t first[] = {0, polygons.position_count};
+    const struct gd_pose poses[2] = {
+        {.tangent = {1, 0, 0}, .normal = {0, 0, 1}},
+        {.along = 1, .position = {1, 0, 0}, .tangent = {1, 0, 0}, .normal = {0, 0, 1}}};
     const struct gd_result result = {.mesh = &polygons,
                                      .distances = polygons.positions[0],
                                      .points = (const double(*)[3])polygons.positions,
                                      .first = first,
-                                     .line_count = 1};
+                                     .line_count = 1,
+                                     .poses = poses,
+                                     .pose_count = 2};
     return gd_write_result(&result, GD_RESULT_GLB, &text->bytes, &text->size);
 }
 

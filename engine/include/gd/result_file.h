@@ -17,7 +17,12 @@
  * GLB: mesh and lines in one scene, in floats relative to an origin stored in doubles as the node's
  * translation (gd/io.h). Distances are stored twice: as COLOR_0, coloured by gd/colour_map.h as
  * fractions of the largest distance (grey: none), and as _DISTANCE, in floats (-1 if there is
- * none). A line is a LINE_STRIP; the extras of its primitive contain its level: {"level": 0.5}. */
+ * none). A line is a LINE_STRIP; the extras of its primitive contain its level: {"level": 0.5}.
+ * With poses, the node `object` moves along the line in GD_RESULT_SECONDS at constant speed: its
+ * animation has a translation and a rotation (a unit quaternion) for each pose, interpolated
+ * linearly. As in any glTF model, the front of the object is its +Z axis and its top is +Y: these
+ * axes become tangent and normal, and +X becomes normal x tangent, to the left. The object itself
+ * consists of three lines: tangent red, normal blue, +X green. */
 #ifndef GD_RESULT_FILE_H
 #define GD_RESULT_FILE_H
 
@@ -26,6 +31,7 @@
 
 #include "gd/polygons.h"
 #include "gd/status.h"
+#include "gd/vec.h"
 
 GD_EXTERN_C_BEGIN
 
@@ -42,6 +48,15 @@ enum gd_result_format {
 #undef GD_RESULT_ENUM
 };
 
+#define GD_RESULT_SECONDS 10 /* time in which the object moves from the first to the last pose */
+
+/* Where an object is, and how it is turned, when it moves along a line. */
+struct gd_pose {
+    double along; /* length of the line up to here */
+    struct gd_vec3 position;
+    struct gd_vec3 tangent, normal; /* perpendicular unit vectors */
+};
+
 /* All borrowed; missing parts are NULL or 0. */
 struct gd_result {
     const struct gd_polygons *mesh; /* triangles with finite coordinates */
@@ -52,6 +67,11 @@ struct gd_result {
     uint32_t line_count;
     /* for isolines: the level of each line, finite; lines of one level are consecutive */
     const double *levels;
+    /* For a moving object: poses on the line, in ascending order of `along`. Of poses with the same
+       time as a float, the first is written. If the poses have no length, the file has no
+       object. */
+    const struct gd_pose *poses;
+    uint32_t pose_count;
 };
 
 /* Writes a result. `*out` is allocated by malloc and owned by the caller. Errors:
