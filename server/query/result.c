@@ -66,7 +66,9 @@ bool server_result_write_lines(const struct server_query *query,
         const struct gd_result result = {.points = (const double(*)[3])positions,
                                          .first = first,
                                          .line_count = count,
-                                         .levels = lines->levels};
+                                         .levels = lines->levels,
+                                         .poses = lines->poses,
+                                         .pose_count = lines->pose_count};
         ok = positions &&
              server_result_write(query, &result, formats[query->form - SERVER_FORM_FIRST], out);
         file_settle(query, cost, 0, positions ? GD_OK : GD_NO_MEMORY);

@@ -19,12 +19,15 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
         "csv", "text/csv", false                                                                   \
     }
 #define SERVER_RESULT_LINE_FORMS_END (SERVER_FORM_FIRST + 3)
+#define SERVER_RESULT_LINE_FORM_GLB  (SERVER_FORM_FIRST + 1)
 
 /* Paths, borrowed, at least one. */
 struct server_result_lines {
     const struct gd_path *paths;
     const double *levels; /* as in struct gd_result; may be NULL */
     uint32_t count;
+    const struct gd_pose *poses; /* as in struct gd_result; may be NULL */
+    uint32_t pose_count;
 };
 
 /* Like server_result_write, for paths, one line each, in the query's form, which must be one of

@@ -23,6 +23,10 @@ function describe(object) {
   };
 }
 
+function describeTrack({ name, times, values }) {
+  return { name, times: Array.from(times), values: Array.from(values) };
+}
+
 function sum(object) {
   const total = [0, 0, 0];
   for (let at = object; at; at = at.parent) at.position.toArray().forEach((value, axis) => (total[axis] += value));
@@ -36,5 +40,6 @@ for (const file of files) {
   const objects = [];
   scene.scene.traverse((object) => object.geometry && objects.push(describe(object)));
   const { numErrors, numWarnings, messages } = report.issues;
-  console.log(JSON.stringify({ errors: numErrors, warnings: numWarnings, messages: messages.slice(0, 5), objects }));
+  const tracks = scene.animations.flatMap((animation) => animation.tracks.map(describeTrack));
+  console.log(JSON.stringify({ errors: numErrors, warnings: numWarnings, messages: messages.slice(0, 5), objects, tracks }));
 }

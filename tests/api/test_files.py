@@ -1,6 +1,6 @@
 """Tests answers as files for other programs: fields as PLY, GLB and CSV; paths as OBJ, GLB, CSV and
-SVG; isolines as OBJ, GLB and CSV; and glTF in both directions. Also runs other programs that read
-these files."""
+SVG; isolines and splines as OBJ, GLB and CSV; and glTF in both directions. Also runs other programs
+that read these files."""
 import csv
 import io
 import json
@@ -34,13 +34,14 @@ def read_glb(body):
     for accessor in document["accessors"]:
         view = document["bufferViews"][accessor["bufferView"]]
         letter = {5123: "H", 5125: "I", 5126: "f"}[accessor["componentType"]]
-        count = accessor["count"] * {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+        width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+        count = accessor["count"] * width
         begin = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
         assert begin % 4 == 0 and begin + struct.calcsize(f"<{count}{letter}") <= view["byteOffset"] + view["byteLength"]
         lists.append(struct.unpack_from(f"<{count}{letter}", binary, begin))
         if "min" in accessor:
-            assert accessor["min"] == [min(lists[-1][axis::3]) for axis in range(3)]
-            assert accessor["max"] == [max(lists[-1][axis::3]) for axis in range(3)]
+            assert accessor["min"] == [min(lists[-1][axis::width]) for axis in range(width)]
+            assert accessor["max"] == [max(lists[-1][axis::width]) for axis in range(width)]
     return document, lists
 
 
@@ -224,6 +225,114 @@ class Isolines(Files):
         self.assertEqual(self.assert_problem(fine, 413, "too_large")["limit"], 500000)
 
 
+def rotated(q, v):
+    """Returns the vector rotated by a quaternion x, y, z, w."""
+    x, y, z, w = q
+    twice = [2 * c for c in (y * v[2] - z * v[1], z * v[0] - x * v[2], x * v[1] - y * v[0])]
+    return [v[0] + w * twice[0] + y * twice[2] - z * twice[1], v[1] + w * twice[1] + z * twice[0] - x * twice[2],
+            v[2] + w * twice[2] + x * twice[1] - y * twice[0]]
+
+
+class Motion:
+    """The animation of a GLB, read by the rules of glTF: times, places in space, quaternions."""
+
+    def __init__(self, body):
+        document, lists = read_glb(body)
+        [animation] = document["animations"]
+        samplers = {}
+        for channel in animation["channels"]:
+            target, sampler = channel["target"], animation["samplers"][channel["sampler"]]
+            assert document["nodes"][target["node"]]["name"] == "object" and sampler["interpolation"] == "LINEAR"
+            assert {"min", "max"} <= document["accessors"][sampler["input"]].keys()
+            samplers[target["path"]] = sampler
+            self.node = target["node"]
+        self.times = lists[samplers["translation"]["input"]]
+        [parent] = [node for node in document["nodes"] if self.node in node.get("children", ())]
+        places, turns = (lists[samplers[path]["output"]] for path in ("translation", "rotation"))
+        self.places = [[a + b for a, b in zip(parent["translation"], places[i:i + 3])] for i in range(0, len(places), 3)]
+        self.rotations = [turns[i:i + 4] for i in range(0, len(turns), 4)]
+        assert len(self.times) == len(self.places) == len(self.rotations)
+        assert all(document["bufferViews"][document["accessors"][s["output"]]["bufferView"]].get("target") is None for s in samplers.values())
+        self.axes = lists[document["meshes"][document["nodes"][self.node]["mesh"]]["primitives"][0]["attributes"]["POSITION"]]
+
+
+class Splines(Files):
+    """Splines as files; with frames, a GLB has an object that moves along the curve."""
+
+    QUESTION = "/v1/meshes/torus/spline"
+    BODY = {"points": [{"vertex": 0}, {"vertex": 17}, {"vertex": 40}, {"vertex": 63}], "samples": 8}
+
+    def file(self, form, body=None, mesh="torus", more=""):
+        answer = self.daemon.ask(mesh, f"spline?format={form}{more}", body or self.BODY)
+        self.assertEqual((answer.status, answer.headers["Content-Type"]), (200, KINDS[form]), answer)
+        return answer.body
+
+    def test_each_form_has_the_curve(self):
+        path = self.asked("torus", "spline?geometry=xyz", self.BODY)["path"]
+        for body in (self.BODY, {**self.BODY, "frames": True}):
+            rows = list(csv.DictReader(io.StringIO(self.file("csv", body).decode(), newline="")))
+            self.assertEqual([[float(row[axis]) for axis in "xyz"] for row in rows], path["points"])
+            self.assertAlmostEqual(float(rows[-1]["along"]), path["length"], 12)
+            rows = [row.split() for row in self.file("obj", body).decode().splitlines()]
+            self.assertEqual([list(map(float, row[1:])) for row in rows if row[0] == "v"], path["points"])
+        document, lists = read_glb(self.file("glb"))
+        self.assertEqual((len(document["nodes"]), len(lists[0])), (1, 3 * len(path["points"])))
+        self.assertNotIn("animations", document)
+        self.assert_problem(self.daemon.ask("torus", "spline?format=svg", self.BODY), 400, "invalid_request")
+
+    def test_the_object_has_the_frames(self):
+        """Also with the mesh, which other programs and the daemon then read as before."""
+        body = {**self.BODY, "frames": True}
+        frames = self.asked("torus", "spline", body)["frames"]
+        for more in ("", "&mesh=true"):
+            glb = self.file("glb", body, more=more)
+            motion = Motion(glb)
+            self.assertEqual(len(motion.times), len(frames))
+            for frame, place, q in zip(frames, motion.places, motion.rotations):
+                self.assert_place(place, frame["xyz"], 6)
+                self.assertAlmostEqual(math.hypot(*q), 1, 6)
+                for axis, name in (((0, 0, 1), "tangent"), ((0, 1, 0), "normal"), ((1, 0, 0), "binormal")):
+                    self.assert_place(rotated(q, axis), frame[name], 6)
+            for p, q in zip(motion.rotations, motion.rotations[1:]):
+                self.assertGreaterEqual(sum(a * b for a, b in zip(p, q)), 0)
+        self.assertEqual(self.daemon.put("again", glb).json["faces"], self.daemon.get("/v1/meshes/torus").json["faces"])
+
+    def test_time_is_in_proportion_to_length(self):
+        body = {**self.BODY, "frames": True}
+        rows = list(csv.DictReader(io.StringIO(self.file("csv", body).decode(), newline="")))
+        along = {tuple(float(row[axis]) for axis in "xyz"): float(row["along"]) for row in rows}
+        frames, length = self.asked("torus", "spline", body)["frames"], float(rows[-1]["along"])
+        times = Motion(self.file("glb", body)).times
+        for frame, time in zip(frames, times):
+            self.assertAlmostEqual(time, 10 * along[tuple(frame["xyz"])] / length, 5)
+        self.assertEqual((times[0], times[-1]), (0, 10))
+        self.assertEqual(list(times), sorted(set(times)))
+
+    def test_equal_places_are_one_key(self):
+        body = {"points": self.BODY["points"], "at": [0, 0, 0.5, 0.5, 0.5, 1], "frames": True}
+        self.assertEqual(len(Motion(self.file("glb", body)).times), 3)
+        self.assertNotIn("animations", read_glb(self.file("glb", {**body, "at": [0.5]}))[0])
+
+    def test_a_great_circle_turns_evenly(self):
+        """The frames of a closed spline along the equator of a fine sphere turn about its axis, by
+        an angle in proportion to time, up to the angle between faces."""
+        self.put_all({"ball": sample("icosphere", level=5)})
+        points = [{"xyz": [math.cos(a), math.sin(a), 0]} for a in (0.1 + math.pi * i / 4 for i in range(8))]
+        body = {"points": points, "closed": True, "samples": 16, "speed": "constant", "frames": True}
+        motion = Motion(self.file("glb", body, "ball"))
+        self.assertEqual(len(motion.times), 129)
+        for time, place, q in zip(motion.times, motion.places, motion.rotations):
+            angle = 0.1 + 2 * math.pi * time / 10
+            self.assertLess(math.dist(place, (math.cos(angle), math.sin(angle), 0)), 0.01)
+            self.assertLess(math.dist(rotated(q, (0, 0, 1)), (-math.sin(angle), math.cos(angle), 0)), 0.05)
+            self.assertLess(math.dist(rotated(q, (0, 1, 0)), (math.cos(angle), math.sin(angle), 0)), 0.05)
+        self.assertAlmostEqual(max(motion.axes) / (2 * math.pi), 0.05, 3)
+
+    def test_memory_is_given_back(self):
+        self.file("glb", {**self.BODY, "frames": True})
+        self.daemon.wait_for_flight()
+
+
 class Gltf(Files):
     def test_compressed_and_split_files_are_refused_by_name(self):
         document = {"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_draco_mesh_compression"]}
@@ -255,7 +364,8 @@ class Others(Files):
         path, values = self.values_of("torus")
         files = {"mesh": self.daemon.get("/v1/meshes/torus/content?format=glb").body, "field": self.get_file(path, "glb"),
                  "path": self.get_file(Paths.QUESTION, "glb"), "both": self.get_file(Paths.QUESTION + "&mesh=true", "glb"),
-                 "isolines": self.get_file(path.replace("values", "isolines") + "?count=2&mesh=true", "glb")}
+                 "isolines": self.get_file(path.replace("values", "isolines") + "?count=2&mesh=true", "glb"),
+                 **{f"motion{more}": self.daemon.ask("torus", f"spline?format=glb{more}", {**Splines.BODY, "frames": True}).body for more in ("", "&mesh=true")}}
         with tempfile.TemporaryDirectory() as folder:
             for name, body in files.items():
                 (pathlib.Path(folder) / name).write_bytes(body)
@@ -264,7 +374,8 @@ class Others(Files):
         self.assertEqual(len(reports), len(files), done.stdout)
         for name, report in reports.items():
             self.assertEqual((report["errors"], report["warnings"]), (0, 0), (name, report["messages"]))
-        self.assertEqual([[o["type"] for o in report["objects"]] for report in reports.values()], [["Mesh"], ["Mesh"], ["Line"], ["Mesh", "Line"], ["Mesh", "Line", "Line", "Line"]])
+        self.assertEqual([[o["type"] for o in report["objects"]] for report in reports.values()], [
+            ["Mesh"], ["Mesh"], ["Line"], ["Mesh", "Line"], ["Mesh", "Line", "Line", "Line"], ["Line", "LineSegments"], ["Mesh", "Line", "LineSegments"]])
         mesh = reports["mesh"]["objects"][0]
         sent = [line.split()[1:] for line in sample("torus", columns=12, rows=7).decode().splitlines() if line.startswith("v ")]
         for i, position in enumerate(sent):
@@ -273,6 +384,11 @@ class Others(Files):
         for value, distance in zip(values, reports["field"]["objects"][0]["distances"]):
             self.assertAlmostEqual(value, distance, 6)
         self.assertEqual(reports["field"]["objects"][0]["colours"], len(values))
+        motion = Motion(files["motion"])
+        places, rotations = reports["motion"]["tracks"]
+        self.assertEqual((places["name"], rotations["name"]), ("object.position", "object.quaternion"))
+        self.assertEqual((places["times"], rotations["times"]), (list(motion.times), list(motion.times)))
+        self.assertEqual(rotations["values"], [c for q in motion.rotations for c in q])
 
 
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"

@@ -15,6 +15,7 @@
 #include "server/query/surface_resource.h"
 #include "server/query/query.h"
 #include "server/query/request.h"
+#include "server/query/result.h"
 
 /* --- queries about one curve ------------------------------------------------------------------ */
 
@@ -582,6 +583,47 @@ static bool spline_list_arrays(struct server_query *query)
     return true;
 }
 
+#define POSES_A_CHECK 4096 /* poses computed between two checks of the deadline */
+
+/* Computes the poses of an object at all samples. */
+static enum gd_status spline_list_poses(const struct spline_query *own, struct gd_pose *out)
+{
+    struct server_monitor monitor = server_query_monitor(&own->query, 1, 0);
+    struct gd_control control = server_exchange_control(&monitor);
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < own->line.count && !status; i++) {
+        const struct gd_spline_place *place = &own->line.places[i];
+        const struct gd_frame frame = gd_frame_at(own->query.surface->mesh, place);
+        out[i] = (struct gd_pose){.along = place->along,
+                                  .position = frame.position,
+                                  .tangent = frame.tangent,
+                                  .normal = frame.normal};
+        if (i % POSES_A_CHECK == 0) status = gd_control_check(&control, 1);
+    }
+    return status;
+}
+
+/* Writes the curve; into a GLB with "frames" also the object that moves along the curve. */
+static bool spline_write(const struct server_query *query, struct server_answer_file *out)
+{
+    const struct spline_query *own = (const struct spline_query *)query;
+    struct server_result_lines lines = {.paths = &own->line.path, .count = 1};
+    size_t bytes = own->line.count * sizeof(struct gd_pose);
+    if (!own->wanted.frames || query->form != SERVER_RESULT_LINE_FORM_GLB)
+        return server_result_write_lines(query, &lines, out);
+    if (!server_request_take(query->exchange, "the file", bytes, query->problem)) return false;
+    struct gd_pose *poses = malloc(bytes);
+    enum gd_status status = poses ? spline_list_poses(own, poses) : GD_NO_MEMORY;
+    lines.poses = poses;
+    lines.pose_count = own->line.count;
+    bool ok = status ? server_query_refuse(query, status, "the file")
+                     : server_result_write_lines(query, &lines, out);
+    free(poses);
+    server_budget_give(query->exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes);
+    query->exchange->held -= bytes;
+    return ok;
+}
+
 static void spline_release(struct server_query *query)
 {
     struct spline_query *own = (struct spline_query *)query;
@@ -591,10 +633,14 @@ static void spline_release(struct server_query *query)
     proto_spline_free(&own->wanted);
 }
 
+static const struct server_form spline_forms[] = {SERVER_RESULT_LINE_FORMS, {NULL, NULL, false}};
+
 const struct server_query_kind server_query_spline = {.name = "spline",
                                                       .size = sizeof(struct spline_query),
+                                                      .forms = spline_forms,
                                                       .decode = spline_decode,
                                                       .solve = spline_solve,
                                                       .encode = spline_encode,
+                                                      .write = spline_write,
                                                       .list_arrays = spline_list_arrays,
                                                       .release = spline_release};

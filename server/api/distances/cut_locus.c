@@ -145,7 +145,8 @@ static void cut_locus_encode(const struct server_query *query, struct proto_writ
 static bool cut_locus_write(const struct server_query *query, struct server_answer_file *out)
 {
     const struct cut_locus_query *own = (const struct cut_locus_query *)query;
-    const struct server_result_lines lines = {own->paths, NULL, own->found.bisector_count};
+    const struct server_result_lines lines = {.paths = own->paths,
+                                              .count = own->found.bisector_count};
     if (!lines.count)
         return server_result_refuse_nothing(query->problem,
                                             "the cut locus has no lines of this angle");
