@@ -37,8 +37,9 @@ struct server_database {
 
 enum server_outcome server_sqlite_outcome(int code)
 {
-    /* only this I/O error means a full disk */
+    /* these two I/O errors mean a full disk, and an allocation that failed before any write */
     if (code == SQLITE_IOERR_SHMSIZE) return SERVER_STORE_FULL;
+    if (code == SQLITE_IOERR_NOMEM) return SERVER_STORE_NO_MEMORY;
     switch (code & 0xff) {
     case SQLITE_OK:
     case SQLITE_ROW:

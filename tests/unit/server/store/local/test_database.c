@@ -108,6 +108,7 @@ static void codes_become_outcomes(void **state)
     assert_int_equal(server_sqlite_outcome(SQLITE_IOERR_FSYNC), SERVER_STORE_READ_ONLY);
     assert_int_equal(server_sqlite_outcome(SQLITE_IOERR_WRITE), SERVER_STORE_READ_ONLY);
     assert_int_equal(server_sqlite_outcome(SQLITE_NOMEM), SERVER_STORE_NO_MEMORY);
+    assert_int_equal(server_sqlite_outcome(SQLITE_IOERR_NOMEM), SERVER_STORE_NO_MEMORY);
     assert_int_equal(server_sqlite_outcome(SQLITE_CANTOPEN), SERVER_STORE_REFUSED);
     assert_int_equal(server_sqlite_outcome(SQLITE_CORRUPT_INDEX), SERVER_STORE_DAMAGED);
     assert_int_equal(server_sqlite_outcome(SQLITE_NOTADB), SERVER_STORE_DAMAGED);
