@@ -482,7 +482,9 @@ class NurbsFigures(SmoothCase):
     def setUpClass(cls):
         super().setUpClass()
         patch = {"degreeU": 2, "degreeV": 2, "knotsU": [0, 0, 0, 1, 2, 3, 3, 3], "knotsV": [0, 0, 0, 1, 2, 2, 2], "controlPoints": cls.points}
-        for name, body in (("s", patch), ("torus", {"parametric": {"torus": {"major": 2, "minor": 1}}})):
+        hole = [[0.4, 0.2], [0.6, 0.2], [0.6, 0.8], [0.4, 0.8], [0.4, 0.2]]
+        plate = {"parametric": {"graph": {"coefficients": [[0]], "u": [0, 1], "v": [0, 1]}}, "trims": {"holes": [[{"polyline": hole}]]}}
+        for name, body in (("s", patch), ("torus", {"parametric": {"torus": {"major": 2, "minor": 1}}}), ("plate", plate)):
             answer = cls.daemon.request("PUT", f"/v1/nurbs/{name}", json.dumps(body).encode(), {"Content-Type": "application/json"})
             assert answer.status == 201, answer
 
@@ -502,6 +504,16 @@ class NurbsFigures(SmoothCase):
         self.assert_drawn(self.positions([[u / 5, v] for v in (0, 1, 2) for u in range(16)]), lines[4:], project)
         closed = self.figure([{"isoparametric": {"u": 6, "v": 0}, "hidden": "shown"}], "torus")
         self.assertEqual(len(subpaths(list(closed.groups["layer-0"][0].iter(SVG + "path"))[-1])), 6)
+
+    def test_lines_of_constant_parameters_end_at_trimming_loops(self):
+        figure = self.figure([{"isoparametric": {"u": 4, "v": 4}, "hidden": "shown"}], "plate")
+        lines = [subpaths(list(group.iter(SVG + "path"))[-1]) for group in figure.groups["layer-0"]]
+        self.assertEqual([len(each) for each in lines], [5 + 1, 5 + 3])
+        (u, below), (_, above) = [[line[0], line[-1]] for line in lines[0][2:4]]
+        width = math.dist(lines[0][0][0], lines[0][0][-1])
+        self.assertAlmostEqual(math.dist(u, below) / width, 0.2, 2)
+        self.assertAlmostEqual(math.dist(below, lines[0][3][0]) / width, 0.6, 2)
+        self.assertAlmostEqual(math.dist(u, above) / width, 1, 2)
 
     def test_the_control_net(self):
         figure, project = self.scene([{"control_net": {}, "hidden": "shown"}], self.ends())

@@ -21,7 +21,8 @@
 
 enum {
     MARKS_MOST = 10000, /* points of a layer */
-    ISO_POINTS = 193    /* of a line of constant u or v */
+    ISO_POINTS = 193,   /* of a line of constant u or v */
+    ISO_HALVINGS = 40   /* of the interval in which such a line leaves the domain */
 };
 
 /* How a kind of surface draws a form of layers; all zero: it has no such layers. */
@@ -406,33 +407,88 @@ static double axis_at(const struct gd_axis *axis, double part)
     return part < 1 ? axis->low + part * (axis->high - axis->low) : axis->high;
 }
 
+/* A line of constant u (side 0) or v (side 1). */
+struct iso_line {
+    const struct gd_parametric *surface;
+    int side;
+    double at; /* the constant parameter */
+};
+
+static bool iso_is_inside(const struct iso_line *line, double on)
+{
+    return gd_parametric_contains(line->surface, line->side ? on : line->at,
+                                  line->side ? line->at : on);
+}
+
+/* Returns where the line leaves the domain between a place inside and a place outside. */
+static double iso_border(const struct iso_line *line, double inside, double outside)
+{
+    for (int i = 0; i < ISO_HALVINGS; i++) {
+        double middle = (inside + outside) / 2;
+        *(iso_is_inside(line, middle) ? &inside : &outside) = middle;
+    }
+    return inside;
+}
+
+static bool iso_add(const struct iso_line *line, double on, struct server_query *query,
+                    struct gd_vec3 **points)
+{
+    struct gd_jet jet;
+    enum gd_status status = gd_parametric_evaluate(line->surface, line->side ? on : line->at,
+                                                   line->side ? line->at : on, &jet);
+    if (status) return server_query_refuse(query, status, "the figure");
+    *(*points)++ = jet.x;
+    return true;
+}
+
+/* Adds the parts of a line that are inside the domain. */
+static bool iso_draw_line(const struct iso_line *line, const struct gd_axis *along,
+                          struct server_query *query, struct gd_vec3 **points,
+                          struct gd_picture_layer *drawn)
+{
+    uint32_t *first = (uint32_t *)drawn->first;
+    bool was_inside = false, ok = true;
+    double before = 0;
+    for (uint32_t t = 0; t < ISO_POINTS && ok; t++) {
+        double on = axis_at(along, (double)t / (ISO_POINTS - 1));
+        bool is_inside = iso_is_inside(line, on);
+        if (t && is_inside && !was_inside)
+            ok = iso_add(line, iso_border(line, on, before), query, points);
+        if (was_inside && !is_inside)
+            ok = iso_add(line, iso_border(line, before, on), query, points);
+        if (ok && is_inside) ok = iso_add(line, on, query, points);
+        if (is_inside ? t + 1 == ISO_POINTS : was_inside)
+            first[++drawn->count] = (uint32_t)(*points - drawn->points);
+        was_inside = is_inside;
+        before = on;
+    }
+    return ok;
+}
+
 /* Adds lines at equal steps of one parameter: u (0) or v (1). */
 static bool isoparametric_draw(struct server_picture_layers *layers, struct server_query *query,
                                uint32_t i, int side)
 {
     const struct proto_picture_layer *wanted = &layers->wanted->items[i];
-    const struct gd_parametric *surface = server_nurbs_of(query->surface)->surface;
-    const struct gd_axis *axes[] = {gd_parametric_axis_u(surface), gd_parametric_axis_v(surface)},
+    struct iso_line line = {.surface = server_nurbs_of(query->surface)->surface, .side = side};
+    const struct gd_axis *axes[] = {gd_parametric_axis_u(line.surface),
+                                    gd_parametric_axis_v(line.surface)},
                          *across = axes[side], *along = axes[!side];
     uint32_t parts = side ? wanted->isoparametric.v : wanted->isoparametric.u,
              count = parts ? parts + !across->closed : 0;
     struct gd_picture_layer *drawn = drawn_add(layers, i);
-    struct gd_vec3 *points = grid_lines(layers, query, count, ISO_POINTS, drawn);
+    /* at most every second point begins a part, and has a point of the border on each side */
+    struct gd_vec3 *points = grid_lines(layers, query, count * ISO_POINTS / 2 + 1, 4, drawn);
     if (!points) return false;
+    drawn->count = 0;
     drawn->width = wanted->has_width ? wanted->width : ISO_WIDTH;
     if (!wanted->has_color) drawn->colour = GD_PICTURE_RGB(NET_COLOUR);
     if (!wanted->has_hidden) drawn->hidden = GD_HIDDEN_NONE;
     if (side) drawn->name = NULL;
-    for (uint32_t k = 0; k < count; k++)
-        for (uint32_t t = 0; t < ISO_POINTS; t++) {
-            double at = axis_at(across, (double)k / parts),
-                   on = axis_at(along, (double)t / (ISO_POINTS - 1));
-            struct gd_jet jet;
-            enum gd_status status =
-                gd_parametric_evaluate(surface, side ? on : at, side ? at : on, &jet);
-            if (status) return server_query_refuse(query, status, "the figure");
-            *points++ = jet.x;
-        }
+    for (uint32_t k = 0; k < count; k++) {
+        line.at = axis_at(across, (double)k / parts);
+        if (!iso_draw_line(&line, along, query, &points, drawn)) return false;
+    }
     return true;
 }
 
