@@ -129,6 +129,24 @@ async function seam(browser) {
   await browser.ask("DELETE", "/v1/nurbs/ring");
 }
 
+/** A trimmed surface is drawn and answers, and its mesh does not stay on the daemon. */
+async function trims(browser) {
+  const { url } = browser.settings;
+  const hole = [[0.48, 0.48], [0.52, 0.48], [0.52, 0.52], [0.48, 0.52], [0.48, 0.48]];
+  const body = JSON.stringify({
+    parametric: { graph: { coefficients: [[0]], u: [0, 1], v: [0, 1] } },
+    trims: { holes: [[{ polyline: hole }]] },
+  });
+  await fetch(`${url}/v1/nurbs/frame`, { method: "PUT", body });
+  const before = await meshNames(browser);
+  const page = await browser.page("/#nurbs=frame&mode=nurbs");
+  await settle(page);
+  assert.ok((await read(page, "last")).length > 0);
+  assert.deepEqual(await meshNames(browser), before);
+  await browser.picture(page, "nurbs-trims");
+  await browser.ask("DELETE", "/v1/nurbs/frame");
+}
+
 /** A chosen class of paths on a torus: the path has the turns, and is no shorter. */
 async function turns(browser) {
   const { url } = browser.settings;
@@ -181,6 +199,7 @@ export const tests = {
   "a control mesh with polygons leaves no mesh": polygonsLeaveNothing,
   "the domain of a torus repeats": seam,
   "a chosen class of paths on a torus": turns,
+  "a trimmed surface": trims,
   "keys move the picture": keys,
   "delete is in sight": deleting,
 };

@@ -13,7 +13,7 @@ import { gridFaces, gridWeights } from "./fine.ts";
 import type { Triangles } from "./ply.ts";
 import type { Vec3 } from "./vector.ts";
 
-const NURBS_CELLS = 128; /* number of cells of the grid over the domain, along each axis */
+export const NURBS_CELLS = 128; /* number of cells of the grid over the domain, along each axis */
 const DRAWN_FACES = 80000; /* largest number of triangles of a limit surface */
 const MOST_LEVELS = 5;
 /* largest number of points of a request, because the daemon reads at most 1 MiB */

@@ -1,9 +1,9 @@
 // Loads surfaces from the daemon: their description, and the triangles to draw. A worker prepares
 // the triangles (prepare.ts).
 
-import type { DiscretizeRequest, Mesh, Nurbs, Subdivision } from "../../js/types.d.ts";
+import type { Mesh, Nurbs, Subdivision } from "../../js/types.d.ts";
 import { type Api, ask, type Request } from "./api.ts";
-import { cellsOf, limitGrid, nurbsGrid } from "./grids.ts";
+import { cellsOf, limitGrid, NURBS_CELLS, nurbsGrid } from "./grids.ts";
 import type { Triangles } from "./ply.ts";
 import type { Prepared } from "./prepare.ts";
 import { type Kind, Surface, surfacePath } from "./surface.ts";
@@ -109,16 +109,19 @@ async function previewOf(api: Api, name: string, load: Load): Promise<Preview | 
 }
 
 /**
- * Returns a mesh of a limit surface whose control mesh has polygons. The daemon does not return the
- * corners of such control meshes. So the daemon stores a mesh of the surface under a random name;
- * the page reads this mesh and deletes it.
+ * Returns a mesh of a smooth surface that no grid covers: a limit surface whose control mesh has
+ * polygons, or a trimmed NURBS surface. The daemon stores a mesh of the surface under a random
+ * name; the page reads this mesh and deletes it.
  */
-async function limitContent(api: Api, surface: Subdivision, load: Load): Promise<ArrayBuffer> {
-  const mesh = `${surface.name.slice(0, 100)}-${Math.random().toString(36).slice(2)}`;
-  const level = Math.max(surface.least_level, Math.log2(cellsOf(surface)));
-  const path = `${surfacePath("subdivisions", surface.name)}/tessellate`;
-  const json: DiscretizeRequest = { mesh, level };
-  await api.send({ method: "POST", path, json });
+async function meshContent(
+  api: Api,
+  [kind, name]: [Kind, string],
+  options: { level: number } | { resolution: [number, number] },
+  load: Load,
+): Promise<ArrayBuffer> {
+  const path = surfacePath(kind, name);
+  const mesh = `${name.slice(0, 100)}-${Math.random().toString(36).slice(2)}`;
+  await api.send({ method: "POST", path: `${path}/tessellate`, json: { mesh, ...options } });
   try {
     return await contentOf(api, mesh, load);
   } finally {
@@ -132,18 +135,26 @@ async function drawnOf(
   description: Mesh | Subdivision | Nurbs,
   { kind, load }: { kind: Kind; load: Load },
 ): Promise<{ file: ArrayBuffer | Triangles; deviation?: number }> {
-  const path = surfacePath(kind, description.name);
-  if (kind === "nurbs") return { file: await nurbsGrid(api, path, description as Nurbs) };
+  const { name } = description;
+  const path = surfacePath(kind, name);
+  if (kind === "nurbs") {
+    const surface = description as Nurbs;
+    const resolution: [number, number] = [NURBS_CELLS, NURBS_CELLS];
+    if (surface.trimming_loops)
+      return { file: await meshContent(api, [kind, name], { resolution }, load) };
+    return { file: await nurbsGrid(api, path, surface) };
+  }
   if (kind === "subdivisions") {
     const surface = description as Subdivision;
     const hasPolygons = surface.least_level > 0;
-    if (hasPolygons) return { file: await limitContent(api, surface, load) };
+    const level = Math.max(surface.least_level, Math.log2(cellsOf(surface)));
+    if (hasPolygons) return { file: await meshContent(api, [kind, name], { level }, load) };
     return { file: await limitGrid(api, path, surface) };
   }
   const isLarge = (description as Mesh).faces > PREVIEWED_FACES;
-  const preview = isLarge ? await previewOf(api, description.name, load) : null;
+  const preview = isLarge ? await previewOf(api, name, load) : null;
   const condition = { "If-Match": `"${description.etag}"` };
-  return preview ?? { file: await contentOf(api, description.name, load, condition) };
+  return preview ?? { file: await contentOf(api, name, load, condition) };
 }
 
 export async function loadSurface(

@@ -70,6 +70,7 @@ export class NurbsMode extends Mode {
   override enter(): void {
     this.net = [];
     const surface = this.bench.surface!;
+    if (this.nurbs.trimming_loops) return; /* lines would enter parts that are cut away */
     const lines = [0, 1].flatMap((axis) =>
       Array.from({ length: NET + 1 }, (_, i) => this.line(axis as 0 | 1, i / NET)),
     );
