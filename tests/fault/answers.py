@@ -30,7 +30,8 @@ LISTS = 20
 LIVEZ_MS = 50
 CUT_SECONDS = 45  # the timer of 30 seconds in libmicrohttpd, and a margin
 # kinds of requests that take long while other tests run
-LONG = ("spline", "picture", "voronoi", "evaluate", "exp", "queries", "derived file", "preview", "limit trace")
+LONG = ("spline", "picture", "voronoi", "evaluate", "exp", "queries", "derived file", "preview", "limit trace", "figure", "cut locus",
+        "moving object")
 JSON = {"Content-Type": "application/json"}
 FLAGS = ("--max-body", "16MiB", "--workers", "2", "--http-threads", "2", "--landmarks", "0")
 
@@ -187,6 +188,7 @@ def requests(daemon, size):
     for name in ("obj", "ply", "gltf"):
         yield get("content", f"meshes/fine/content?format={name}")
     yield from more_requests(daemon, size, fine)
+    yield from figure_requests(points)
 
 
 def more_requests(daemon, size, field):
@@ -214,6 +216,20 @@ def more_requests(daemon, size, field):
     yield post("limit evaluate", "subdivisions/cube/evaluate", {"points": places})
     yield post("limit trace", "subdivisions/cube/trace", {"start": places[0], "fan": 60, "length": 100, "level": 5})
     yield post("NURBS evaluate", "nurbs/donut/evaluate", {"uv": [[i / 10000, 0.5] for i in range(len(places))]})
+
+
+def figure_requests(points):
+    """Returns requests for figures, cut loci and the file of a spline."""
+    shared = {"points": [{"vertex": 97 * i} for i in range(20)]}
+    layers = [{"field": shared}, {"isolines": {"count": 40}}, {"voronoi": {"set": shared}}, {"cut_locus": {"set": {"points": [{"vertex": 0}]}}}]
+    for name in ("png", "svg"):
+        yield post("figure", f"meshes/fine/picture?format={name}", {"layers": layers, "width": 800, "height": 800})
+    traces = [{"trace": {"start": {"face": 0, "uv": [0.25, 0.5]}, "fan": 60, "length": 20}}]
+    yield post("figure", "subdivisions/cube/picture?format=svg", {"layers": traces})
+    yield post("figure", "nurbs/donut/picture?format=svg", {"layers": [{"isoparametric": {"u": 200, "v": 200}}]})
+    yield post("cut locus", "meshes/fine/cut-locus", {"set": {"points": [{"vertex": 0}]}})
+    yield post("cut locus", "meshes/fine/cut-locus?format=glb", {"set": {"points": [{"vertex": 0}]}})
+    yield post("moving object", "meshes/ring/spline?format=glb", {"points": in_ring(24), "samples": min(1000, points // 40), "frames": True})
 
 
 def try_answers(trial, cells):
