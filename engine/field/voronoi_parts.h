@@ -98,7 +98,7 @@ struct gd__diagram {
     /* for each vertex, its nudged distance from its owner; 0 if uncontested */
     double *nearest;
     uint32_t changed;       /* number of owners that differ from members.of */
-    uint8_t *mixture;       /* per edge: what is known for the current members */
+    uint8_t *mixture;       /* for each edge, an enum gd__mixture */
     uint32_t *first_switch; /* per edge, and one more */
     struct gd__node *node;
     struct gd__owner_change *edge_switch;

@@ -44,8 +44,7 @@ static struct gd_geodesics solve(const struct scene *scene, struct gd_domain_cur
     return found;
 }
 
-/* Checks the properties of every result, frees the result and returns the length of the shortest
- * path. */
+/* Checks the laws of every result, frees it, and returns the length of the shortest path. */
 static double length_of(struct gd_geodesics *found)
 {
     const struct gd_geodesic *best = &found->items[0];
