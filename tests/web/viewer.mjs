@@ -19,6 +19,7 @@ const RADIUS = 15; /* pixels: a circle that stays on the surface */
 // small, because the processor draws the pixels here
 export const SMALL = { viewport: { width: 960, height: 640 } };
 const URL_DELAY = 1000; /* milliseconds: the URL is written when the drag pauses */
+const SAME_DISTANCE = 1e-13; /* largest relative difference */
 const TICKS = 100; /* ticks a second: the unit of /proc/PID/stat */
 
 /** Waits until the page has loaded and shows an answer. */
@@ -27,6 +28,11 @@ export async function settle(page) {
   await page.evaluate(() => window.geodesicd.ready);
   await page.waitForFunction(() => !window.geodesicd.busy);
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+}
+
+/** Expects two answers to be the same distance: a kept field and a search may differ in the last bits. */
+export function assertSameDistance(one, other) {
+  assert.ok(Math.abs(one - other) <= SAME_DISTANCE * Math.abs(other), `${one} is not ${other}`);
 }
 
 export const read = (page, name) => page.evaluate((key) => window.geodesicd[key], name);
@@ -56,8 +62,9 @@ async function assertEqualToApi(browser, page) {
   const { from, to } = await read(page, "points");
   const mesh = (await read(page, "state")).meshes;
   const answer = await browser.ask("POST", `/v1/meshes/${mesh}/path`, { from: asPoint(from[0]), to: asPoint(to[0]) });
-  assert.equal((await read(page, "last")).distance, answer.distance);
-  assert.equal(await shown(page), answer.distance);
+  const { distance } = await read(page, "last");
+  assertSameDistance(distance, answer.distance);
+  assert.equal(await shown(page), distance);
   assert.ok(answer.distance > 0);
 }
 
@@ -175,7 +182,7 @@ async function link(browser) {
   await page.waitForTimeout(URL_DELAY);
   const again = await browser.page("/" + new URL(page.url()).hash);
   await settle(again);
-  assert.equal((await read(again, "last")).distance, distance);
+  assertSameDistance((await read(again, "last")).distance, distance);
   assert.deepEqual(await read(again, "state"), await read(page, "state"));
 }
 
@@ -187,7 +194,7 @@ async function copyAsCurl(browser) {
   const command = await page.evaluate(() => navigator.clipboard.readText());
   assert.equal(command, await read(page, "curl"));
   const answer = JSON.parse(execFileSync("sh", ["-c", command], { stdio: ["ignore", "pipe", "ignore"] }));
-  assert.equal(answer.distance, (await read(page, "last")).distance);
+  assertSameDistance(answer.distance, (await read(page, "last")).distance);
 }
 
 async function problems(browser) {
