@@ -62,7 +62,7 @@ void gdc_client_destroy(struct gdc_client *client);
  * fails; the default is 5. Between attempts the client waits as long as the Retry-After header
  * says. Without this header, the pauses grow exponentially. */
 void gdc_client_set_retries(struct gdc_client *client, unsigned retries);
-/* Sets after how many seconds without a byte a request fails; the default is 120. */
+/* Sets the number of seconds after which a request fails if no byte arrives; the default is 120. */
 void gdc_client_set_timeout(struct gdc_client *client, long seconds);
 
 /* Receives the progress of a job, in [0,1], several times a second. Returns nonzero to cancel the
@@ -79,7 +79,7 @@ void gdc_client_set_progress(struct gdc_client *client, gdc_progress progress, v
 struct gdc_request {
     /* "POST", "/v1/meshes/bunny/trace?geometry=xyz"; the path is URL-encoded */
     const char *method, *path;
-    const void *body; /* NULL means that there is none */
+    const void *body; /* NULL: the request has no body */
     size_t body_size;
     const char *content_type; /* NULL: application/json */
     const char *accept;       /* NULL: application/json */
@@ -188,9 +188,9 @@ struct gdc_arrays {
 enum gdc_status gdc_upload_arrays(struct gdc_client *client, const char *mesh,
                                   const struct gdc_arrays *arrays, struct gdc_problem *problem);
 
-/* A page of a list. The first call takes a page of zeros. Each further call takes the page that the
- * call before filled, frees its `json` and fills it again. A call that fails leaves the page
- * unchanged. */
+/* A page of a list. Pass a struct of zeros to the first call, and the same struct to each further
+ * call, which frees `json` and reads the next page into the struct. A call that fails leaves the
+ * page unchanged. */
 struct gdc_page {
     char *json;     /* the caller frees the last text with gdc_free */
     char next[128]; /* where the next page begins; "" after the last page */

@@ -50,7 +50,8 @@ const COMPACT = {
 };
 const COMPACT_FORM = /^(v:\d+|e:\d+-\d+:[\d.eE+-]+|f:\d+:[^,:]+,[^,:]+,[^,:]+|p:[^,:]+,[^,:]+,[^,:]+)$/;
 
-/* Returns the most exact request form of a point of an answer. Returns other objects unchanged. */
+/* Converts a point of an answer to the most exact form that a request can have. Returns other
+ * objects unchanged. */
 function askable(point) {
   if (point.vertex !== undefined) return { vertex: point.vertex };
   if (point.edge !== undefined) return { edge: point.edge, t: point.t };
