@@ -19,8 +19,8 @@ void gd__profile_destroy(struct gd__profile *profile)
 
 /* --- windows ---------------------------------------------------------------------------------- */
 
-/* Clips a window to where a linear function is not negative. `value` is its value at the origin,
- * `slope` its derivative. */
+/* Clips a window to the interval in which a linear function is not negative. `value` is the value
+ * of the function at the origin, `slope` its derivative. */
 static void clip_window(struct gd__window *w, double value, double slope)
 {
     double end = value + slope * w->b1, begin = value + slope * w->b0;
@@ -202,8 +202,8 @@ static double at_most(const struct gd__window *w, double t)
 }
 
 /* Returns the distance at t, an end of window i. Because ends are rounded, gaps may lie between
- * neighbouring strips of segments. In a gap the profile shows a source that is farther than the
- * true one. The windows beside the gap bound the distance. */
+ * neighbouring strips of segments. In a gap, the window of the profile belongs to a source that is
+ * farther than the nearest source. The windows beside the gap bound the distance. */
 static double distance_at_end(const struct gd__profile *profile, uint32_t i, double t)
 {
     const struct gd__window *w = profile->windows.windows;

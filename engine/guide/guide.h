@@ -20,8 +20,8 @@ struct gd__guide_node {
     double lower; /* lower bound of the distance to the target; < 0: not computed yet */
     /* the next vertex of the path of `upper`; GD_NONE means that the target is straight ahead */
     uint32_t parent;
-    /* Entry of the parent's fan across whose face the path runs to the parent; GD_NONE means that
-       it runs along an edge. */
+    /* The entry of the parent's fan whose face the path to the parent crosses; GD_NONE means that
+     * the path runs along an edge. */
     uint32_t across;
     bool closed, touched;
 };
@@ -58,8 +58,8 @@ struct gd__guide {
 /* Sets the target `to` and finds paths to it in the region between it and `from`. The guide is all
  * zero or was used before. Returns in *upper the length of a path between the two, rounded up. Both
  * points must lie on one component. `control` is borrowed until the guide is cleaned. Errors:
- * GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: the vertices that A* visits, some
- * percent of those around the path. */
+ * GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: proportional to the number of vertices
+ * that A* visits, which is a few percent of the vertices around the path. */
 GD_MUST_USE enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh,
                                          const struct gd_point *from, const struct gd_point *to,
                                          const struct gd_control *control, double *upper);

@@ -13,7 +13,7 @@
 #define GD__QUATERNION_BYTES 16
 
 /* Returns the number of keys of the animation: poses whose times, as floats, ascend strictly.
- * Returns 0 if there is no animation, because the result has no poses or the line no length. */
+ * Returns 0 if there is no animation: the result has no poses, or the line has no length. */
 uint32_t gd__motion_count(const struct gd_result *result);
 
 /* Returns the length of an axis of the object. */
@@ -23,9 +23,9 @@ float gd__motion_axis(const struct gd_result *result);
 bool gd__motion_fits(const struct gd_result *result, const double origin[3]);
 
 /* Writes the positions and colours of the object's lines, then the times, the translations relative
- * to `origin`, and the rotations of all keys. The rotations are unit quaternions x, y, z, w. Each
- * has a dot product of at least 0 with the one before, so that interpolation takes the short way.
- */
+ * to `origin`, and the rotations of all keys. The rotations are unit quaternions x, y, z, w. The
+ * dot product of two consecutive quaternions is at least 0, so that interpolation turns the object
+ * by the smaller angle. */
 void gd__motion_write(struct gd__output *output, const struct gd_result *result,
                       const double origin[3]);
 

@@ -2,7 +2,7 @@
 
 #include "field/layout.h"
 
-/* limit on levels relative to the range: the isoline of the largest distance would be a point */
+/* the largest level relative to the range: the isoline at the largest distance would be a point */
 #define BELOW (1 - 1e-9)
 
 struct gd__scale gd__scale_of(double range, uint32_t wanted)

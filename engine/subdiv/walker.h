@@ -1,7 +1,7 @@
 /* Walker: local subdivision, and its memory. A walker belongs to one thread.
  *
  * DESIGN. The limit surface over a face depends only on the face's one-ring: the faces that share a
- * corner with it. The one-ring of a child lies in the refinement of that one-ring. The
+ * corner with it. The one-ring of a child face is a part of the refined one-ring of its parent. The
  * neighbourhood of a face is a net whose face 0 is that face, with corners 0, 1, ... It is refined
  * by gd__net_refine like a whole mesh, and the neighbourhood of a child is extracted from the
  * result. The descent ends when all corners of the face are regular, so that the surface over the
