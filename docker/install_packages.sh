@@ -8,7 +8,7 @@
 # (PostgreSQL, HAProxy).
 set -euo pipefail
 
-# Nothing of the installation stays but the packages: no downloads, no caches, no translations.
+# The installation leaves only the packages: no downloads, no caches, no translations.
 place=$(mktemp -d)
 chmod 755 "$place" # apt downloads as another user
 trap 'rm -rf "$place"' EXIT
@@ -42,7 +42,7 @@ find_missing() {
     # The version is empty until apt has its lists. No package is installed before that.
     version=$( (dpkg-query -W -f='${Depends}\n' clang; apt-cache depends clang) 2>/dev/null | sed -n 's/.*clang-\([0-9]\+\).*/\1/p' | head -n 1 || true)
     version=${version:-*}
-    if [ -n "$headers" ]; then # its libraries are those that it depends on in one version
+    if [ -n "$headers" ]; then # the libraries of the same source: dependencies with a fixed version
         set -- "$@" --headers $(headers_control | sed -n 's/^Depends: //p' | tr , '\n' | sed -n 's/^ *\([^ ]*\) (= .*/\1/p')
     fi
     for package in "$@"; do

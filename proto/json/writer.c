@@ -64,8 +64,8 @@ static bool fail(struct proto_writer *writer, enum proto_writer_failure failure)
     return false;
 }
 
-/* Returns a capacity that is sufficient for `more` further bytes, which are within the maximum, and
- * some reserve. */
+/* Returns a capacity that has room for `more` further bytes and some reserve. The caller has
+ * checked that these bytes are within the maximum. */
 static size_t next_capacity(const struct proto_writer *writer, size_t more)
 {
     size_t step = writer->capacity < GROWN_SLOWLY ? writer->capacity : writer->capacity / 4;

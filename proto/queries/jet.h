@@ -30,7 +30,7 @@ bool proto_foot_check(const struct proto_point *wanted, double distance,
 
 /* Writes the selected fields of one point. Normal and curvatures are null where the derivatives are
  * parallel. Where a limit jet is singular, du and dv are unit vectors, second derivatives and
- * curvatures are null, and "singular" is true. A spike has no normal. */
+ * curvatures are null, and "singular" is true. The tip of a spike has no normal. */
 void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet,
                       const struct proto_options *options);
 void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_jet *jet,

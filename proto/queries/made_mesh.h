@@ -44,7 +44,7 @@ bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
 /* For each vertex of a made mesh the point of its surface; all borrowed. */
 struct proto_vertex_parameters {
     const char *surface, *etag; /* name and version */
-    double period[2];           /* periods of u and v; 0 means that that direction is not closed */
+    double period[2];           /* periods of u and v; 0: the direction is not closed */
     const double (*uv)[2];
     uint32_t count;
 };

@@ -39,7 +39,8 @@ struct point_list {
     uint32_t count;
 };
 
-/* Keeps the arrays of a list that has this size already (list_read_text). */
+/* Allocates the arrays of a list. Does nothing if they already have this size, as after
+ * list_read_text. */
 static bool list_reserve(struct server_query *query, uint64_t count, const char *place,
                          struct point_list *list)
 {

@@ -25,13 +25,13 @@ enum {
     ISO_HALVINGS = 40   /* of the interval in which such a line leaves the domain */
 };
 
-/* How a kind of surface draws a form of layers; all zero: it has no such layers. */
+/* How a kind of surface draws layers of one form; all zero: it has no such layers. */
 struct layer_rule {
     bool is_known;
     const struct server_query_kind *kind; /* operation whose answer is drawn; NULL: none */
     const char *const *fields;            /* fields of this answer that are read */
     const char *select;                   /* the fields that have lines; NULL: all */
-    const char *wrapped;                  /* the layer's body is this member of that of `kind` */
+    const char *wrapped;                  /* the operation's member for the layer's body */
 };
 
 #define OWN                                                                                        \
@@ -105,8 +105,8 @@ static bool rule_check(const struct server_query *query, const struct proto_pict
                                        known);
 }
 
-/* Moves a problem of the body of layer i into the figure's request. Problems of memory, time and
- * the daemon stay as they are. */
+/* Changes the pointer of a problem in the body of layer i to a pointer into the figure's request.
+ * Problems of memory, time and the daemon are not changed. */
 static bool problem_place(const struct server_picture_layers *layers, uint32_t i,
                           const struct server_query *query)
 {
@@ -163,7 +163,8 @@ static struct gd_vec3 *points_allocate(struct server_picture_layers *layers,
 
 /* --- decoding --------------------------------------------------------------------------------- */
 
-/* Decodes the body of a part, which may be a member of the operation's body. */
+/* Decodes the body of a part. If `wrapped` is set, the operation expects this body as its member
+ * `wrapped`. */
 static bool body_decode(struct server_query *part, const char *wrapped, json_t *body)
 {
     if (!wrapped) return part->kind->decode(part, body);

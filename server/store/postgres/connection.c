@@ -29,8 +29,8 @@
 #define OID_INTEGER 20
 #define OID_TEXT    25
 
-/* Settings of every session: the schema, durable commits, and a limit on the time for which a
- * daemon that loses its connection during a change blocks the others. */
+/* Settings of every session: the schema, durable commits, and timeouts. The timeouts limit how long
+ * a daemon blocks other daemons if it loses its connection during a change. */
 static const char settings[] =
     "SET search_path = geodesicd; SET client_min_messages = warning; SET lock_timeout = 5000;"
     " SET idle_in_transaction_session_timeout = 10000; SET tcp_keepalives_idle = 10;"
