@@ -15,7 +15,7 @@ from harness import PROGRAM
 ROOT = contract.DOCUMENT.parents[1]
 LIBRARIES = [PROGRAM.parent / f"lib{name}.a" for name in ("gd_proto", "geodesic-smooth", "geodesic-tools", "geodesic")]
 INCLUDE = ["-I", ROOT / "engine" / "include", "-I", ROOT / "engine", "-I", ROOT]
-# A C program that decodes the body of a mean request and prints the result. It then prints a
+# A C program that decodes the body of a request of `mean` and prints the result. It then prints a
 # selection of the answer's members.
 READER = r"""
 #include <stdio.h>

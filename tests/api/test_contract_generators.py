@@ -2,7 +2,7 @@
 strictly.
 
 The generators are npm packages: `make contract-generators` installs them below the build's
-directory. Without them or without node, this is skipped.
+directory. Without these packages or without node, the test is skipped.
 """
 import json
 import pathlib

@@ -1,7 +1,7 @@
 """Lints the contract by a linter of another project.
 
 The linter is an npm package: `make contract-linter` installs it below the build's directory.
-Without it or without node, this is skipped.
+Without this package or without node, the test is skipped.
 """
 import pathlib
 import shutil

@@ -44,7 +44,7 @@ def edge_between(k, other):
 
 
 class Box:
-    """Straight paths on a box from one point: each sequence of sides is laid flat in the plane of
+    """Straight paths on a box from one point. Each sequence of sides is unfolded into the plane of
     its last side."""
 
     def __init__(self, start):
@@ -66,7 +66,8 @@ class Box:
             edge = edge_between(k, other)
             if other in sides or not edge or len(sides) > 4:
                 continue
-            # both sides have the edge; the image keeps its place along it, and changes the side
+            # `move` unfolds a point of the plane of side k about the common edge into the plane of
+            # the other side.
             a, b = (self.flat(k, end) for end in edge)
             c, d = (self.flat(other, end) for end in edge)
             length = math.dist(a, b)
@@ -121,8 +122,8 @@ class CutLocus(TestCase):
     # --- a box -----------------------------------------------------------------------------------
 
     def test_box_unfolded(self):
-        """Two straight paths to each point of the cut locus are the shortest, and the shortest path
-        jumps nowhere else."""
+        """Two straight paths of equal, least length lead to each point of the cut locus. Elsewhere
+        the shortest path changes continuously."""
         chance, sides = random.Random(5), range(len(SIDES))
         for start in [(0.31, 0.7, 3), (0.5, 1, 3), (0, 1.2, 2.2)]:
             box = Box(start)
@@ -157,7 +158,8 @@ class CutLocus(TestCase):
     RECTANGLE = {"curves": [{"points": [{"xyz": [x, y, 0]} for x, y in ((0.1, 0.2), (0.9, 0.2), (0.9, 0.7), (0.1, 0.7))], "closed": True}]}
 
     def test_rectangle(self):
-        """Members are the sides, counted from the first point of the curve."""
+        """With `segments`, members are the sides of the rectangle, numbered from the first point of
+        the curve."""
         lines = self.lines("grid", self.RECTANGLE, members="segments")
         length = {}
         for line in lines:
@@ -176,7 +178,8 @@ class CutLocus(TestCase):
         self.assertAlmostEqual(middle["length"], 0.3, 8)
 
     def test_smooth_curve(self):
-        """The joints of a polyline like an ellipse turn little: their lines are omitted."""
+        """A polyline that approximates an ellipse turns little at its joints, so `min_angle` omits
+        the lines that begin there."""
         ring = [(0.5 + 0.4 * math.cos(0.1 * math.pi * i / 2), 0.5 + 0.2 * math.sin(0.1 * math.pi * i / 2)) for i in range(40)]
         ellipse = {"curves": [{"points": [{"xyz": [x, y, 0]} for x, y in ring], "closed": True}]}
         many = self.lines("grid", ellipse, members="segments")
@@ -184,7 +187,7 @@ class CutLocus(TestCase):
         [axis] = self.lines("grid", ellipse, min_angle=0.4)
         for x, y, _ in axis["points"]:
             self.assertLess(abs(y - 0.5), 1e-8)
-            self.assertLess(abs(x - 0.5), 0.31)  # 0.3: the centres of curvature
+            self.assertLess(abs(x - 0.5), 0.31)  # the centres of curvature are at 0.5 -+ 0.3
 
     # --- forms -----------------------------------------------------------------------------------
 

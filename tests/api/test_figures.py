@@ -82,7 +82,8 @@ class Figure:
             self.groups.setdefault(group.get("id"), []).append(group)
 
     def lines(self, layer, dashed=False):
-        """Returns the polylines of a layer's last pen: the visible ones, or the hidden ones."""
+        """Returns the visible polylines of a layer, or its hidden ones if `dashed`. Of several
+        paths in a group, uses the last one."""
         found = []
         for group in self.groups.get(f"layer-{layer}", ()):
             paths = [path for path in group.iter(SVG + "path") if bool(path.get("stroke-dasharray")) == dashed]
@@ -206,7 +207,7 @@ class FigureTests(FigureCase):
         self.assertEqual(len(drawn), len(expected))
         for a, b in zip(drawn, expected):
             self.assertLess(math.dist(a, b), 0.02)
-        for segment in answer["segments"]:  # the arms are straight lines of the plane
+        for segment in answer["segments"]:  # control vectors are straight lines of the plane
             a, b = segment["control_points"][0]["xyz"], segment["control_points"][1]["xyz"]
             self.assert_drawn([[(p + q) / 2 for p, q in zip(a, b)]], controls.lines(0), project)
         framed = self.figure([{"spline": body, "frames": 4}])
@@ -399,7 +400,7 @@ class FigureTests(FigureCase):
         self.assertEqual(self.assert_problem(answer, 504, "deadline_exceeded").get("pointer"), None)
 
     def test_layers_that_share_a_field_wait_for_it(self):
-        """Many figures at once, whose field, bisectors and paths need the same new field."""
+        """Requests many figures at once. The layers of each figure need the same new field."""
         answers = []
 
         def ask(vertex):
@@ -422,8 +423,8 @@ class FigureTests(FigureCase):
 
 
 class SmoothCase(FigureCase):
-    """Two marks with known positions give the projection, because the view also fits other
-    layers."""
+    """Figures of smooth surfaces. Two points with known positions determine the projection, because
+    the view also depends on the other layers."""
 
     def asked_of(self, query, document):
         answer = self.daemon.request("POST", f"/v1/{self.kind}/s/{query}", json.dumps(document).encode(), {"Content-Type": "application/json"})

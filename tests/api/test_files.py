@@ -281,7 +281,8 @@ class Splines(Files):
         self.assert_problem(self.daemon.ask("torus", "spline?format=svg", self.BODY), 400, "invalid_request")
 
     def test_the_object_has_the_frames(self):
-        """Also with the mesh, which other programs and the daemon then read as before."""
+        """Tests files without and with the mesh. The daemon still reads the mesh of the second
+        file."""
         body = {**self.BODY, "frames": True}
         frames = self.asked("torus", "spline", body)["frames"]
         for more in ("", "&mesh=true"):
@@ -314,8 +315,9 @@ class Splines(Files):
         self.assertNotIn("animations", read_glb(self.file("glb", {**body, "at": [0.5]}))[0])
 
     def test_a_great_circle_turns_evenly(self):
-        """The frames of a closed spline along the equator of a fine sphere turn about its axis, by
-        an angle in proportion to time, up to the angle between faces."""
+        """The frames of a closed spline along the equator of a fine sphere turn about the sphere's
+        axis. The angle is proportional to the time, with an error of at most the angle between
+        faces."""
         self.put_all({"ball": sample("icosphere", level=5)})
         points = [{"xyz": [math.cos(a), math.sin(a), 0]} for a in (0.1 + math.pi * i / 4 for i in range(8))]
         body = {"points": points, "closed": True, "samples": 16, "speed": "constant", "frames": True}

@@ -115,9 +115,9 @@ ATTACKS = {
 SPLIT = PUT + CHUNKED + b"\r\n"  # the head of a body in chunks
 WHOLE = b"5\r\nhello\r\n0\r\n"  # its chunks, up to the trailers
 
-# Requests that libmicrohttpd 0.9.75 reads leniently, by the statuses of the answers, including that
-# to the request after each. No proxy writes such bytes: HAProxy refuses or rewrites them
-# (tests/cluster). Later versions refuse most.
+# Requests that libmicrohttpd 0.9.75 reads leniently. The keys are the statuses of the answers to
+# such a request and to the request that follows it. No proxy writes such bytes: HAProxy refuses or
+# rewrites them (tests/cluster). Later versions of the library refuse most of them.
 LENIENT = {
     (b"200", b"404"): [
         # a bare LF ends a line

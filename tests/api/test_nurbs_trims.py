@@ -1,4 +1,5 @@
-"""Trimmed surfaces: loops of the file, the domain that they leave, paths in it, and durability."""
+"""Trimmed surfaces: loops of the file, the domain that they bound, paths in this domain, and
+durability."""
 import json
 import math
 import unittest

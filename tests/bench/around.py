@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Measures what surrounds a field in the daemon: isolines, Voronoi diagrams, gradients, files,
-farthest points, pictures, bulk pairs, matrices, uploads and loading.
+"""Measures the daemon's requests other than the build of a field: isolines, Voronoi diagrams,
+gradients, files, farthest points, pictures, bulk pairs, matrices, uploads and loading.
 
 usage: tests/bench/around.py [--build DIR] [--runs N] [--workers N] [--only WORD] [--random N]
                              [--quick] [--mesh "ARGUMENTS of gd_bench"] [--small "…"]
@@ -9,9 +9,9 @@ usage: tests/bench/around.py [--build DIR] [--runs N] [--workers N] [--only WORD
 Each row has the time of a request (least and median of the runs), the processor time of the daemon,
 its page faults, the size of the answer, and the target. Targets are multiples of the field's time
 in gd_bench. The answers are read, but not parsed. A row is measured on new data in each run where
-the daemon would otherwise answer from its cache. --random sends so many random requests of all
-kinds, one after the other, and reports the slowest. --quick measures small meshes: it checks that
-all this works.
+the daemon would otherwise answer from its cache. --random N sends N random requests of all kinds,
+one after the other, and reports the slowest. --quick measures small meshes, to check that this
+program works.
 """
 import contextlib
 import http.client
@@ -33,7 +33,7 @@ BYTES_TYPE = {"Content-Type": "application/octet-stream"}
 PAIRS = 1_000_000
 EVALUATED = 10_000
 SLOW_SECONDS = 2
-IDLE_SECONDS, QUIET_SECONDS = 60, 1  # most seconds of waiting, and seconds without work
+IDLE_SECONDS, QUIET_SECONDS = 60, 1  # longest wait, and the time without work that counts as idle
 
 
 def usage_of(process):

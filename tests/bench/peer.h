@@ -14,9 +14,9 @@
  * start in the middle of the face, in directions that divide a full turn equally; the first one is
  * that of the face's first edge. No time includes reading the file, building the mesh or freeing an
  * answer. `sum` is the sum of all distances. `ends` is the sum of the three coordinates of all
- * ends. `crossings` is the number of the paths' points without both ends. Correct solvers agree on
- * these numbers. A program that does not support a task, or gets no arguments, ends with status
- * 2. */
+ * ends. `crossings` is the number of points of all paths, not counting the two ends of each path.
+ * Correct solvers agree on these numbers. A program that does not support a task, or gets no
+ * arguments, ends with status 2. */
 #ifndef TESTS_BENCH_PEER_H
 #define TESTS_BENCH_PEER_H
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Makes allocations fail in the daemon (alloc_preload.c), during one request of each route. Each
 allocation of the daemon, its libraries and libc fails for each call path that leads to it: in one
-run alone, in another run with all later ones. The answer must be a problem (507, 503), the correct
-answer, or a closed connection. Afterwards the daemon still runs, answers the same request
-correctly, and holds no more memory than before.
+run this allocation alone, in another run this one and all later ones. The answer must be a problem
+(507, 503), the correct answer, or a closed connection. Afterwards the daemon still runs, answers
+the same request correctly, and holds no more memory than before.
 
     tests/fault/alloc.py [--short] [--only WORD]     --short: call paths that have failed
     in one request do not fail again in others

@@ -16,7 +16,7 @@ async function clickMiddle(page) {
   await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
 }
 
-/** With a third click, A and B restart: the old answer no longer belongs to the points. */
+/** A third click removes both points and sets a new A, so the old answer must disappear. */
 async function thirdClick(browser) {
   const page = await open(browser);
   await clickMiddle(page);

@@ -16,7 +16,7 @@ const FLAGS = [
 ];
 export const DESKTOP = { viewport: { width: 1440, height: 900 } };
 export const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
-/** A hint of the software renderer about the browser's own reads of the canvas. */
+/** A message that the software renderer logs when the browser reads the canvas. */
 const DRIVER_HINT = /GL Driver Message \(OpenGL, Performance/;
 export const PATIENCE = 30000; /* milliseconds: a software renderer on a busy machine is slow */
 

@@ -1,4 +1,4 @@
-// The page at three sizes: answers in sight, a sheet that folds, the wheel, the start card.
+// The page at three sizes: visible answers, a panel that folds, zoom by the wheel, the start card.
 
 import assert from "node:assert/strict";
 import { PHONE } from "./browser.mjs";
@@ -53,7 +53,7 @@ async function wheel(browser) {
   const { to } = await read(page, "points");
   const seen = () => page.evaluate((xyz) => window.geodesicd.camera.project(xyz), to[0].xyz);
   const [{ x, y }, camera] = [await seen(), (await read(page, "state")).camera];
-  await page.mouse.move(x, y); // over the handle of the point
+  await page.mouse.move(x, y); // the wheel must zoom over the handle of the point, too
   await page.mouse.wheel(0, -400);
   await page.waitForTimeout(300);
   assert.notEqual((await read(page, "state")).camera, camera);
@@ -65,7 +65,7 @@ async function wheel(browser) {
 async function startCard(browser) {
   const { meshes } = await browser.ask("GET", "/v1/meshes");
   const page = await browser.page("/icon.svg"); // a page on which the route is installed first
-  page.tolerate(/status of 404/); // /icon.svg has no icon of its own
+  page.tolerate(/status of 404/); // the browser requests an icon for /icon.svg
   await page.route(/\/v1\/meshes\/[^/]+$/, async (route) => {
     const response = await route.fetch();
     await route.fulfill({ response, json: { ...(await response.json()), faces: 5e6 } });

@@ -151,7 +151,7 @@ const refusals = withMeshes(["here"], async (browser) => {
 /** Browsers may block storage in frames of other sites. */
 const blocked = withMeshes(["here"], async (browser) => {
   const page = await browser.page("/icon.svg");
-  page.tolerate(/status of 404/); // /icon.svg has no icon of its own
+  page.tolerate(/status of 404/); // the browser requests an icon for /icon.svg
   await page.addInitScript(() => {
     for (const name of ["localStorage", "sessionStorage"])
       Object.defineProperty(window, name, {

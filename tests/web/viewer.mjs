@@ -30,7 +30,7 @@ export async function settle(page) {
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
 }
 
-/** Expects two answers to be the same distance: a kept field and a search may differ in the last bits. */
+/** Expects the same distance. A cached field and a search may differ in the last bits. */
 export function assertSameDistance(one, other) {
   assert.ok(Math.abs(one - other) <= SAME_DISTANCE * Math.abs(other), `${one} is not ${other}`);
 }
@@ -238,7 +238,7 @@ async function themes(browser) {
   }
 }
 
-/** A mesh of three triangles on one edge is refused, then mended at the press of a button. */
+/** A mesh of three triangles on one edge is refused. Then a button of the page repairs it. */
 async function mended(browser) {
   const page = await browser.page("/");
   await settle(page);

@@ -85,8 +85,9 @@ static void middle_of_a_cubes_face(void **state)
     }
 }
 
-/* On a surface like a sphere the cut locus of a point is a tree. From each vertex, which lacks a
- * full angle, one ridge begins. In general position three ridges meet at each node. */
+/* On a surface like a sphere the cut locus of a point is a tree. A ridge begins at each vertex,
+ * because the total angle of each vertex is below 2 pi. In general position three ridges meet at
+ * each node. */
 static void trees_on_spheres(void **state)
 {
     (void)state;
@@ -268,8 +269,8 @@ static bool find_jump(const struct polygon *polygon, double a[2], double b[2], d
     return second_way(polygon, a[0], a[1], least_angle) < promise;
 }
 
-/* Each point of the locus has two nearest places of the polygon, and wherever the nearest place
- * jumps between random places there is a point of the locus. */
+/* Each point of the cut locus has two nearest places of the polygon. Conversely, where the nearest
+ * place jumps between two random places, there is a point of the cut locus. */
 static void check_medial_axis(const struct gd_mesh *mesh, const struct polygon *polygon)
 {
     static const double least_angle = 0.01;

@@ -186,7 +186,7 @@ static void leaves_out_equal_times(void **state)
     motion_free(&motion);
 }
 
-/* Without a length, or without poses, the file is that of the line alone. */
+/* If the line has no length, or there are no poses, the file equals the file of the line alone. */
 static void needs_a_length(void **state)
 {
     (void)state;

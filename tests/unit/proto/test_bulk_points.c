@@ -121,7 +121,7 @@ static void test_texts_that_end_early(void **state)
     struct proto_point read[8];
     assert_true(reads(whole, read));
     for (size_t size = 0; size < sizeof whole - 1; size++) {
-        char *text = malloc(size + 1); /* a sanitizer sees each read behind it */
+        char *text = malloc(size + 1); /* AddressSanitizer detects reads beyond it */
         memcpy(text, whole, size);
         struct proto_bulk_text rest = {text, text + size};
         assert_false(proto_bulk_open(&rest, names, true) == 0 && read_list(&rest, 2, read) > 0 &&

@@ -181,8 +181,8 @@ static void budgets(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A square that begins at a corner or in the middle of a side has four parts, on any mesh; an open
- * curve has one part more than inner corners; a point is a part. */
+/* A square that begins at a corner or in the middle of a side has four parts, on any mesh. An open
+ * curve has one part more than it has inner corners. A point is one part. */
 static void parts_between_corners(void **state)
 {
     (void)state;

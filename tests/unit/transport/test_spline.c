@@ -260,8 +260,8 @@ static bool is_clipped(const struct gd_spline *spline)
     return is;
 }
 
-/* The path to a place is as long as `along`: from place to place at least as long as the chord, and
- * in all as long as the path. */
+/* Checks `along`, the length of the path up to a place. Between two places it grows by at least the
+ * chord, and at the last place it is the length of the whole path. */
 static void check_along(const struct gd_mesh *mesh, const struct gd_spline_line *line)
 {
     const struct gd_spline_place *places = line->places;

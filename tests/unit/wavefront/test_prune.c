@@ -61,7 +61,7 @@ static void draw(struct rng *rng, struct gd__stack *out)
     }
 }
 
-/* Stores a list of a side like propagation does. */
+/* Stores a list of a side as the propagation does. */
 static void store_chunk(uint32_t side, const struct gd__stack *list)
 {
     struct gd__window_builder builder = {0};

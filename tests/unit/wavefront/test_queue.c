@@ -32,7 +32,7 @@ static void push(uint32_t node, double key)
     gd__queue_push(queue, node, key, &waiting[node]);
 }
 
-/* Returns the first waiting node. Skips stale entries, like the queue's owners do. */
+/* Returns the first waiting node. Skips stale entries, as the queue's owners do. */
 static uint32_t pop(void)
 {
     for (;;) {

@@ -81,8 +81,8 @@ static double windows_of_needles(uint32_t sides)
     return (double)work;
 }
 
-/* Each of many narrow faces propagates a window in one piece. The number of windows is linear in
- * the number of faces. */
+/* Each of many narrow faces propagates a window without dividing it. So the number of windows is
+ * linear in the number of faces. */
 static void needles_are_not_quadratic(void **state)
 {
     (void)state;
