@@ -12,8 +12,8 @@ struct gd__edge_set {
     uint64_t mask, seed;
 };
 
-/* Allocates a set for up to `most` edges; free by gd__edge_set_free. GD_NO_MEMORY, and the status
- * of the pace. */
+/* Allocates a set for up to `most` edges. The caller frees it by gd__edge_set_free. Errors:
+ * GD_NO_MEMORY, and those of the pace. */
 enum gd_status gd__edge_set_create(uint64_t most, struct gd__pace *pace, struct gd__edge_set *out);
 void gd__edge_set_free(struct gd__edge_set *set);
 

@@ -11,7 +11,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#define LISTEN_BACKLOG 4096 /* the default limit of Linux */
+#define LISTEN_BACKLOG 4096 /* the default limit of Linux on connections that wait to be accepted */
 #define UNIX_PREFIX    "unix:"
 
 static bool address_refuse(char error[SERVER_ERROR], const char *text, const char *why)

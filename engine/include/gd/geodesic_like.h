@@ -45,8 +45,8 @@ struct gd_geodesic_options {
     bool all_minima; /* returns every local minimum that the search finds, not only the shortest */
     /* With all_minima, on surfaces that are closed in a direction: the search also starts from
      * paths of each homotopy class whose winding numbers are within this limit, at most
-     * GD_GEODESIC_TURN_LIMIT_MOST. 0 means only the classes that the tessellation's distances
-     * show. */
+     * GD_GEODESIC_TURN_LIMIT_MOST. With 0, the search starts only from the candidates that
+     * distances on the tessellation give. */
     uint32_t turn_limit;
 };
 

@@ -325,7 +325,7 @@ static void insist_on_refusals(const char *outside, const char *inside, int desc
         {"prctl dumpable", SYS_prctl, {PR_SET_DUMPABLE, 1}},
         {"prctl ptracer", SYS_prctl, {PR_SET_PTRACER, pid}},
         {"seccomp", SYS_seccomp, {2, 0, 0}},
-        /* ways into the kernel */
+        /* calls by which an attacker could exploit faults of the kernel */
         {"clone", SYS_clone, {SIGCHLD, 0, 0, 0, 0}},
         {"clone3", 435, {TEXT(room), sizeof room}},
         {"memfd_create", SYS_memfd_create, {TEXT("x"), 0}},
