@@ -660,7 +660,8 @@ export type Field = {
   /** Total time of their computation. */
   build_ms: number;
   /**
-   * Greatest distance. It is `null` if it exceeds `max_distance`, or if rounding leaves this open.
+   * Greatest distance. It is `null` if it exceeds `max_distance`, or if rounding makes this
+   * uncertain.
    */
   max: (number | null);
   reason?: "beyond_max_distance";
@@ -738,8 +739,8 @@ export type CutLocusRequest = {
    */
   members?: ("sources" | "segments");
   /**
-   * Omits the lines whose angle, in radians, is smaller at all of their points. Lines of less than
-   * 0.001 are always omitted.
+   * Omits the lines whose angle, in radians, is smaller at all of their points. Lines whose angle
+   * is below 0.001 everywhere are always omitted.
    */
   min_angle?: number;
   /**
@@ -982,7 +983,10 @@ export type PictureControlNetLayer = {
 };
 
 export type PictureIsoparametric = {
-  /** Into how many equal parts lines of constant u divide the range of u; 0 draws no such lines. */
+  /**
+   * Number of equal parts into which the lines of constant u divide the range of u; 0 draws no such
+   * lines.
+   */
   u?: number;
   /** As `u`. */
   v?: number;
@@ -999,7 +1003,7 @@ export type PictureSurface = {
 };
 
 export type PictureIsolines = {
-  /** About this many, at round distances. */
+  /** Approximate number of isolines at round distances. */
   count?: number;
   /** Distances. */
   levels?: number[];
@@ -1408,7 +1412,7 @@ export type Wedge = {
   d0: number;
   /** Distance from the pseudo-source to the end of the wedge. */
   d1: number;
-  /** Distance of the pseudo-source itself. */
+  /** Distance from the set to the pseudo-source. */
   sigma: number;
   /** The pseudo-source lies to the left of the edge, seen from its lower vertex. */
   tau: boolean;
@@ -1453,7 +1457,7 @@ export type BoundaryLoop = {
 
 export type Mesh = {
   name: Name;
-  /** Of the uploaded bytes; of a mesh that the daemon made, of its file. */
+  /** SHA-256 of the uploaded bytes or, for a mesh that the daemon made, of its file. */
   sha256: string;
   /**
    * Number of vertices of the upload, including unreferenced vertices, plus the copies that
@@ -1506,8 +1510,9 @@ export type Mesh = {
     /** Number of indices that denote another vertex because of `weld`. */
     vertices_welded: number;
     /**
-     * Number of indices that denote another vertex, because an edge of length zero joined the two
-     * vertices, or an edge shorter than 1e-6 of the longest edge of a face without area.
+     * Number of indices that denote another vertex because an edge joined both vertices. The edge
+     * had length zero, or belonged to a face without area and was shorter than 1e-6 of the longest
+     * edge of this face.
      */
     vertices_merged: number;
     /** Unused face indices: an earlier face has the same vertices. */
@@ -1561,7 +1566,7 @@ export type Mesh = {
       lines_skipped?: Index[];
     };
   };
-  /** Of a mesh that `derive` made, or that was uploaded with edits. */
+  /** Present for a mesh that `derive` made or that was uploaded with edits. */
   derived_from?: {
     mesh?: Name;
     /**
@@ -1976,7 +1981,7 @@ export type Nurbs = {
   name: Name;
   /** Of the uploaded bytes. */
   sha256: string;
-  /** Shape of the file. Only `nurbs` has the next four members. */
+  /** Shape of the file. Only the shape `nurbs` has the next four members. */
   shape: ("nurbs" | "torus" | "helicoid" | "graph" | "revolution");
   convention?: ("canonical" | "three" | "verb" | "rhino");
   degree?: [Count, Count];
@@ -2104,14 +2109,16 @@ export type LengthTolerance = number;
 export type AllMinima = boolean;
 
 /**
- * With `all_minima`: the search covers the homotopy classes whose winding numbers in the closed
- * directions are at most this number. 0: only the classes that distances on the tessellation show.
+ * With `all_minima`, the search covers the homotopy classes whose winding numbers in the closed
+ * directions are at most this number. With 0, it covers only the classes of the candidates that
+ * distances on the tessellation give.
  */
 export type TurnLimit = number;
 
 /**
- * Winding numbers [u, v] of a path: if it begins at the [u, v] of its first end, it ends at those
- * of its second end plus these numbers of periods. 0 in directions that are not closed.
+ * Winding numbers [u, v] of a path. A path that begins at the parameters of its first end ends at
+ * the parameters of its second end plus these numbers of periods. 0 in directions that are not
+ * closed.
  */
 export type Turns = [number, number];
 
@@ -2172,7 +2179,7 @@ export type GeodesicAnswer = {
   degree?: number;
   /**
    * From 0 to the number of pieces. Where two pieces meet, the multiplicity of the knot is the
-   * degree, at a pole one more.
+   * degree; at a pole it is the degree plus 1.
    */
   knots: number[];
   control_points: Place[];
