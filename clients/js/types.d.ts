@@ -733,7 +733,7 @@ export type IsolinesAnswer = {
 export type CutLocusRequest = {
   set: Set;
   /**
-   * What the numbers in `members` of a line count. `sources`: the members of the set, as in a
+   * The meaning of the numbers in `members` of a line. `sources`: the members of the set, as in a
    * Voronoi diagram. `segments`: first the points of the set, then the straight parts of its
    * curves, from corner to corner. A curve has a corner where it turns by more than 1e-6 radians.
    */
