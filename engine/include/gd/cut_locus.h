@@ -13,14 +13,14 @@
  *
  * The cut locus is a graph of *ridges* of the distance. In a face, a ridge is a piece of a line, a
  * hyperbola or a parabola, as in a Voronoi diagram. Ridges end where three of them meet, on the
- * boundary, at a joint of a curve, and at vertices with less than a full angle: from each such
- * vertex a ridge begins. Behind a vertex where paths bend, all paths arrive from this vertex, so
- * there is no ridge, even if the vertex itself has several shortest paths.
+ * boundary, at a joint of a curve, and at vertices with a total angle below 2 pi: a ridge begins at
+ * each such vertex. Behind a vertex where paths bend, all paths arrive from this vertex, so there
+ * is no ridge, even if the vertex itself has several shortest paths.
  *
  * The angle of a ridge at a point is the angle between the two directions of arrival. A ridge that
  * begins at a joint of a curve has the angle by which the curve turns there. A ridge that begins at
- * a vertex has the missing angle of the vertex: the full angle minus the sum of its face angles. So
- * `min_angle` removes ridges that come from the facets of a smooth curve or a smooth surface. */
+ * a vertex has the angle deficit of the vertex: 2 pi minus its total angle. So `min_angle` removes
+ * ridges that exist only because a polyline or a mesh approximates a smooth shape. */
 #ifndef GD_CUT_LOCUS_H
 #define GD_CUT_LOCUS_H
 

@@ -176,9 +176,9 @@ GD_MUST_USE enum gd_status gd_field_farthest(const struct gd_field *field,
 
 /* A final wedge of an edge, Definition 1 of the paper: parameters b0 < b1, and the distances d0, d1
  * of the pseudo-source to these ends. All numbers are in the caller's unit; the parameters grow
- * along the edge from its lower-numbered vertex. sigma: distance of the pseudo-source. tau: true if
- * the pseudo-source lies to the left of the edge in that direction (in the face whose corners run
- * from the lower to the higher vertex). */
+ * along the edge from its lower-numbered vertex. sigma: distance from the seeds to the
+ * pseudo-source. tau: true if the pseudo-source lies to the left of the edge in that direction (in
+ * the face whose corners run from the lower to the higher vertex). */
 struct gd_wedge {
     double b0, b1, d0, d1, sigma;
     bool tau;

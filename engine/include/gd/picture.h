@@ -50,7 +50,8 @@ enum gd_view {
 
 enum gd_background { GD_BACKGROUND_WHITE, GD_BACKGROUND_DARK, GD_BACKGROUND_TRANSPARENT };
 
-/* A colour 0xRRGGBB (sRGB). A colour of 0 is the default, so black has a bit of its own. */
+/* A colour 0xRRGGBB (sRGB). The value 0 selects the default colour. So a colour that is set has an
+ * additional bit, which distinguishes black from the default. */
 #define GD_PICTURE_RGB(rgb) ((uint32_t)(rgb) | UINT32_C(1) << 24)
 
 /* How the parts of lines and marks that the surface hides are drawn. */

@@ -67,9 +67,9 @@ struct gd_result {
     uint32_t line_count;
     /* for isolines: the level of each line, finite; lines of one level are consecutive */
     const double *levels;
-    /* For a moving object: poses on the line, in ascending order of `along`. Of poses with the same
-       time as a float, the first is written. If the poses have no length, the file has no
-       object. */
+    /* For a moving object: poses on the line, in ascending order of `along`. If the times of
+       several poses are equal as floats, only the first of these poses is written. If the poses
+       have no length, the file has no object. */
     const struct gd_pose *poses;
     uint32_t pose_count;
 };
