@@ -2,8 +2,8 @@
  * counter-clockwise, from a zero that depends on the kind of point:
  *
  *     in a face     from its side 0
- *     on an edge    from the direction of its side 2e; below pi in that side's face, beyond in the
- *                   other one
+ *     on an edge    from the direction of its side 2e; turns below pi lead into that side's face,
+ *                   others into the other face
  *     at a vertex   from the first entry of its fan, as gd_fan.angle
  *
  * Conversions to the angles of the interface (gd/direction.h) are exact up to the rounding of the

@@ -2,8 +2,9 @@
 #include "wavefront/polyline_vertex.h"
 
 /* Seeds: the first windows of each source. A point emits into its face (or the two faces of its
- * edge, or the fan of its vertex). A segment emits to both sides at right angles. A joint, where
- * segments of a curve end, emits only into the directions behind all of them. */
+ * edge, or the fan of its vertex). A segment emits to both sides at right angles. A joint is a
+ * point where segments of a curve end. It emits only into directions at an angle of 90 degrees or
+ * more to each of these segments; the segments cover the other directions. */
 
 #define ARRAYS       6 /* arrays of struct gd__windows */
 #define BLOCKS_AHEAD 2
@@ -300,8 +301,8 @@ GD__PREFETCH prefetch_way_out(const struct gd__wavefront *front, uint32_t side)
     if (!front->paged) __builtin_prefetch(&front->lists[side]);
 }
 
-/* Prefetches the edge of a joint some seeds ahead, and the two faces of the edge of a joint fewer
- * seeds ahead. */
+/* Prefetches data of two later joints: the edge of the farther one, and the two faces of the edge
+ * of the nearer one. */
 GD__PREFETCH prefetch_seeds(const struct gd__wavefront *front, uint32_t seed)
 {
     const struct gd_mesh *mesh = front->mesh;
