@@ -1,5 +1,6 @@
-/* Every tolerance of the engine, with its reason. Nothing else in the engine compares with a
- * literal epsilon. */
+/* The tolerances of the engine, each with its reason. A tolerance of the iterations of `nurbs` or
+ * of the checks of `loops` may be a named constant in the only file that uses it. No code of the
+ * engine compares with a literal epsilon. */
 #ifndef GD_BASE_TOLERANCE_H
 #define GD_BASE_TOLERANCE_H
 
