@@ -60,7 +60,7 @@ class Watch
         if (++done_ % STEPS_A_CHECK == 0) check();
     }
 
-    /* Checks the control now: after a step of milliseconds. */
+    /* Checks the control at once. Call this after a step that takes milliseconds. */
     void check() const
     {
         const double part = std::min(1.0, (double)done_ / steps_);

@@ -1,5 +1,5 @@
-/* View: the part of a face that a source sees. A path from the source reaches each of its points
- * straight. Normalised unit, in the face's plane. */
+/* View: the part of a face that a source sees. A straight path leads from the source to each point
+ * of the view. Normalised unit, in the face's plane. */
 #ifndef GD_FIELD_SOURCE_VIEW_H
 #define GD_FIELD_SOURCE_VIEW_H
 
@@ -13,8 +13,8 @@ struct gd__bound {
 enum { GD__BOUNDS_MOST = 3 };
 
 /* Collects the borders of a source's view and returns their number. A sector has two borders. A
- * linear source has a third one: the line at the distance `nearest`. This border limits a segment
- * in the face to one side of itself. */
+ * linear source (a segment) has a third one: the line at the distance `nearest`. A segment across
+ * the face gives two sources, one for each side; the third border keeps each on its own side. */
 int gd__source_bounds(const struct gd_field *field, const struct gd__face_frame *frame,
                       const struct gd__source *source, struct gd__bound bound[GD__BOUNDS_MOST]);
 
@@ -33,22 +33,23 @@ struct gd__view gd__source_view(const struct gd_field *field, const struct gd__f
  * everywhere in it. */
 bool gd__view_is_beyond(const struct gd__view *view, const struct gd__source *other);
 
-/* Narrow the spans to where the branch lies inside a border, or inside all borders of a source's
- * view. Return false if no span is left. */
+/* Both functions reduce the spans in `turn`, and return false if no span is left. The spans that
+ * stay are those where the branch lies inside the border (gd__branch_narrow), or inside all borders
+ * of the source's view (gd__branch_narrow_to_view). */
 bool gd__branch_narrow(const struct gd__branch *branch, const struct gd__bound *bound,
                        struct gd__turn *turn);
 bool gd__branch_narrow_to_view(const struct gd_field *field, const struct gd__face_frame *frame,
                                const struct gd__branch *branch, const struct gd__source *source,
                                struct gd__turn *turn);
 
-/* Returns the spans where the branch of two sources lies in the face, or beside it by at most
- * `slack`, and both sources see it. The result is usually empty. */
+/* Returns the spans where both sources see their branch, and where the branch lies in the face or
+ * at most `slack` outside. The result is usually empty. */
 struct gd__turn gd__branch_domain(const struct gd_field *field, const struct gd__sources *sources,
                                   const struct gd__branch *branch, const uint32_t pair[2],
                                   double slack);
 
-/* Removes the corners of the face where no path bends: their straight paths belong to a source
- * behind the corner. */
+/* Removes the sources at corners of the face where no path bends. A straight path through such a
+ * corner belongs to a source behind the corner. */
 void gd__sources_drop_needless(const struct gd_field *field, struct gd__sources *sources);
 
 /* Returns an upper bound of the distances in a face; at least GD__FAR if it is not reached. */

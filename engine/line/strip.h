@@ -34,7 +34,8 @@ GD_MUST_USE enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side
                                           const struct gd_control *control);
 
 /* Appends the portals around a vertex from one of its faces to another, counter-clockwise (the
- * vertex is on their left) or clockwise. GD_INTERNAL: the boundary is in between. O(portals). */
+ * vertex is on their left) or clockwise. GD_INTERNAL: the mesh's boundary is between the two faces.
+ * O(portals). */
 GD_MUST_USE enum gd_status gd__strip_wind(const struct gd_mesh *mesh, struct gd__strip *strip,
                                           uint32_t vertex, uint32_t from_face, uint32_t to_face,
                                           bool counter_clockwise, const struct gd_control *control);
@@ -50,8 +51,9 @@ GD_MUST_USE enum gd_status gd__strip_along(const struct gd_mesh *mesh,
  * those that contain `to`. Then unfolds the strip. GD_INTERNAL: not a valid strip. O(count). */
 GD_MUST_USE enum gd_status gd__strip_lay(const struct gd_mesh *mesh, struct gd__strip *strip);
 
-/* gd__strip_entrance returns the placed side of the strip's first face as a portal.
- * gd__portal_place returns the position in the plane of a point of the face behind a portal. */
+/* gd__strip_entrance returns side 0 of the strip's first face as a portal; the plane has the frame
+ * of this side. gd__portal_place takes a point of the face behind a portal, and returns its
+ * position in the plane. */
 struct gd__portal gd__strip_entrance(const struct gd_mesh *mesh, const struct gd__strip *strip);
 struct gd__local gd__portal_place(const struct gd_mesh *mesh, const struct gd__portal *portal,
                                   const struct gd_point *point);

@@ -1,4 +1,5 @@
-/* Paths in a trimmed domain: all candidates, the choice among them, and the conversion. */
+/* Paths in a trimmed domain: computes all candidates, selects among them, and converts the selected
+ * ones to struct gd_geodesic. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,8 +19,8 @@ static const double fit = 1e-10;
 /* Two paths are the same if their lengths and middles differ by less than this fraction of the
  * length. */
 static const double same_path = 1e-7;
-/* A taut path is rejected if its length differs from that of its path on the mesh by more than this
- * fraction. */
+/* A taut path is made from a path on the tessellation. The taut path is rejected if the two lengths
+ * differ by more than this fraction. */
 static const double mesh_error = 0.1;
 /* An unproven path may be the shortest one if its length on the mesh exceeds the least length by
  * less than this fraction. */
@@ -189,7 +190,7 @@ struct found {
     struct gd_vec3 middle;
 };
 
-/* Computes the point of the path after half of its samples by length. */
+/* Computes the point at half of the path's length, which is measured along the path's samples. */
 static struct gd_vec3 middle_of(const struct gd__taut *taut)
 {
     const struct gd_parametric *surface = taut->task->surface;
@@ -227,8 +228,8 @@ static int by_taut_length(const void *x, const void *y)
     return p->taut.length < q->taut.length ? -1 : p->taut.length > q->taut.length;
 }
 
-/* Solves one seed. Keeps the path if it is proven and new. If it is not proven, lowers *doubtful to
- * the length of its path on the mesh. */
+/* Computes the taut path of one seed (a path on the tessellation). Keeps the taut path if it is
+ * proven and new. If it is not proven, lowers *doubtful to the length of the seed. */
 static enum gd_status find_path(const struct gd__task *task,
                                 const struct gd_domain_curve *const ends[2],
                                 const struct gd__path_seed *seed, struct found *found,

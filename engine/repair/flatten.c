@@ -4,9 +4,9 @@
  * gd__make_sides rejects faces by the same test. Faces are removed in rounds until none is flat:
  *
  *   needle  the shortest edge is below GD_TOL_FLAT of the longest one: its ends are merged, and the
- *           faces at the edge vanish. A round that merges vertices ends here, because connectivity
- *           must be rebuilt. A face that is slightly too wide for a needle can be flat after any
- *           flip. So if rounds of flips do not help, needles are those below ten times this bound.
+ *           faces at the edge vanish. A round that merges vertices handles no caps, because
+ *           connectivity must be rebuilt first. A face that is slightly too wide for a needle can
+ *           be flat after any flip. So after PATIENT_ROUNDS rounds the bound is ten times as large.
  *   cap     the corner opposite to the longest edge lies on that edge, well between its ends: the
  *           edge is flipped in the quadrilateral with the neighbour. If the longest edge does not
  *           have exactly one neighbour, the cap is removed. The surface stays the same, and the two

@@ -108,8 +108,8 @@ static void discretize_put(const struct source *source, uint32_t vertex, uint32_
         (struct gd_limit_point){source->control_face, source->corner, uv[0], uv[1]};
 }
 
-/* Writes the inner vertices of side k of the face, and the base point where the side begins. Both
- * faces of an edge write the same values. */
+/* Writes the base point where side k of the face begins. Of the two faces of an edge, the one whose
+ * side has the lower number also writes the inner vertices of the edge. */
 static void put_side(const struct source *source, uint32_t k)
 {
     const struct gd__net *base = &source->tiling->surface->base;

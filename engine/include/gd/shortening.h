@@ -30,8 +30,8 @@ struct gd_shortening_request {
 
 struct gd_shortening {
     struct gd_curve curve; /* owned */
-    /* largest turn at the joints of pieces, in radians; bends around vertices that shorten the
-       curve don't count */
+    /* largest angle by which the curve differs from a geodesic at a joint of pieces, in radians; 0
+       for a bend at a vertex that has at least pi on both sides of the curve */
     double turn;
     uint32_t rounds;
     bool is_geodesic; /* true if `turn` is less than 1e-9 */
@@ -40,14 +40,15 @@ struct gd_shortening {
 void gd_shortening_free(struct gd_shortening *shortening); /* NULL is allowed */
 
 /* Shortens the curve in `rounds` rounds. Each round divides it into `pieces` and straightens them;
- * every other round shifts the divisions by half a piece. The ends of an open curve stay. With
- * `rounds` 0 the result is a geodesic. An open curve is straightened at once. A closed curve takes
- * up to GD_SHORTENING_ROUNDS rounds. Each round begins at another point of the curve, and thus
- * straightens the bend at the beginning of the previous round. `control` and `detail` may be NULL.
- * The caller frees `*out` by gd_shortening_free. Errors: GD_INVALID_ARGUMENT (a closed curve that
- * shrinks to a point), GD_TOO_LARGE (more than 65536 pieces), GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (two consecutive points without a common face). Cost: a
- * round is linear in the number of faces that the curve crosses or moves across. Thread-safe. */
+ * every other round shifts the divisions by half a piece. The ends of an open curve stay. If
+ * `rounds` is 0, the result is a geodesic: an open curve is straightened in one step, and a closed
+ * curve in up to GD_SHORTENING_ROUNDS rounds. Each of these rounds begins at another point of the
+ * curve, and thus straightens the bend at the beginning of the previous round. `control` and
+ * `detail` may be NULL. The caller frees `*out` by gd_shortening_free. Errors: GD_INVALID_ARGUMENT
+ * (a closed curve that shrinks to a point), GD_TOO_LARGE (more than 65536 pieces), GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (two consecutive points without a common face).
+ * Cost: a round is linear in the number of faces that the curve crosses or moves across.
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_curve_shorten(const struct gd_mesh *mesh,
                                             const struct gd_shortening_request *request,
                                             const struct gd_control *control,
