@@ -55,8 +55,8 @@ struct server_batch_wait {
     uint64_t until_ns; /* end of the wait */
 };
 
-/* Parks a worker's job until the batch may have changed. This must be the last call of `run`.
- * Returns false if the job was not parked. */
+/* Parks a worker's job: the job waits without a worker until the batch may have changed. The job's
+ * function `run` must call this last. Returns false if the job was not parked. */
 bool server_batch_runner_wait(struct server_batch_runner *runner, struct server_job *job,
                               const struct server_batch_wait *wait);
 
