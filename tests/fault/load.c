@@ -4,11 +4,11 @@
  *
  * usage: gd_load PORT FILE CONNECTIONS RATE WARM SECONDS
  *
- * FILE: requests in turn, each its length in bytes as a decimal line and then its bytes. RATE 0:
- * each connection sends its next request after each answer. Otherwise requests are due at equal
- * intervals, and are sent on any free connection; a latency counts from the time when the request
- * was due. A further connection requests /livez every ten milliseconds. Answers in the first WARM
- * seconds are not counted.
+ * FILE has the requests, one after another. For each request it has a line with the length in bytes
+ * (decimal), then the bytes. RATE 0: each connection sends its next request after each answer.
+ * Otherwise requests are due at equal intervals, and are sent on any free connection; a latency
+ * counts from the time when the request was due. A further connection requests /livez every ten
+ * milliseconds. Answers in the first WARM seconds are not counted.
  *
  * Prints one line of JSON: the numbers of answers by status; latencies {"p50", "p99", "max"} in
  * milliseconds of the answers 2xx, of the answers 503, and of /livez; the number of requests for
@@ -265,7 +265,7 @@ static struct client *find_idle(void)
     return NULL;
 }
 
-/* Sends the due requests; returns when the next one is due. */
+/* Sends the requests that are due. Returns the time at which the next one is due. */
 static uint64_t ask_due(uint64_t *due_ns, uint64_t *probe_ns)
 {
     struct client *prober = &load.clients[load.client_count - 1];

@@ -10,8 +10,9 @@ struct NAME(vector) {
     REAL x, y;
 };
 
-/* A face in the frame of each of its sides k (from corner k to corner k + 1). The third corner is
- * corner k + along * side + across * (side turned by a right angle into the face). */
+/* The shape of a face, described from each side k. Side k is the vector from corner k to the next
+ * corner. From corner k, the third corner is reached by along[k] times this vector, plus across[k]
+ * times the same vector turned by a right angle into the face. `length` has the sides' lengths. */
 struct NAME(shape) {
     REAL length[3], along[3], across[3];
 };
@@ -23,13 +24,14 @@ struct NAME(window) {
     /* the vector from the right to the left end; it is stored because the difference of distant
        positions would lose the digits of short edges */
     struct NAME(vector) edge;
-    /* the limits of the directions, as images of the vertices that define them */
+    /* the first and last direction that the source sees, as vectors to the unfolded vertices that
+       limit the view */
     struct NAME(vector) from, to;
     REAL sigma;          /* distance of the window's source from the field's source */
     uint32_t origin;     /* vertex of the source, or NONE */
     uint32_t parent;     /* the window on the previous face, or NONE */
     uint32_t face, side; /* the face that the window enters, and its side */
-    bool swapped;        /* `right` is corner side + 1 */
+    bool swapped;        /* true if `right` is the corner number side + 1 */
     uint32_t next;       /* the next window that entered the same face, or NONE */
 };
 
@@ -231,9 +233,9 @@ static REAL NAME(place_on_side)(const struct NAME(window) * window, struct NAME(
     return !(t > 0) ? 0 : t < 1 ? t : 1;
 }
 
-/* Returns whether, for each point of the window, the path along the side from one of the side's
- * ends is shorter than the path through the window. By the triangle inequality, it suffices to test
- * the point of the window that is farthest from this end. */
+/* Returns whether paths along the side, from one of its ends, are shorter than the paths through
+ * the window at all points of the window. By the triangle inequality, it suffices to test the point
+ * of the window that is farthest from this end. */
 static bool NAME(is_useless)(const struct NAME(solver) * solver, const struct NAME(window) * window,
                              REAL begin, REAL end)
 {
@@ -249,7 +251,8 @@ static bool NAME(is_useless)(const struct NAME(solver) * solver, const struct NA
            window->sigma + to_begin;
 }
 
-/* Returns the smallest distance of the side's part between two parameters. */
+/* Returns the smallest distance from the window's source to the part of the side between two
+ * parameters. */
 static REAL NAME(least_on_side)(const struct NAME(window) * window, REAL begin, REAL end)
 {
     REAL t = -NAME(dot)(window->right, window->edge) / NAME(dot)(window->edge, window->edge);
@@ -270,7 +273,8 @@ static bool NAME(returns)(const struct NAME(solver) * solver, const struct NAME(
     return solver->mesh->across[at][first].face == window->face;
 }
 
-/* Queues the window that leaves a face through this side, unless it is useless. */
+/* Queues the window that leaves a face through this side, unless the window is useless or enters a
+ * face that it has already passed through. */
 static void NAME(offer)(struct NAME(solver) * solver, uint32_t face, uint32_t side,
                         uint32_t right_corner, struct NAME(window) window)
 {

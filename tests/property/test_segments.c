@@ -103,8 +103,8 @@ static double least_along_curve(const struct gd_mesh *mesh, const struct gd_fiel
     return best;
 }
 
-/* Checks that an offset of 0.7 increases all distances by 0.7. Segments and their own ends then
- * have the same distances up to rounding. */
+/* Checks that an offset of 0.7 increases all distances by 0.7. With the offset, a segment and its
+ * own ends give distances that differ by rounding. */
 static void check_offset(const struct gd_mesh *mesh, const struct gd_field *field,
                          const struct gd_polygons *polygons, struct rng *rng)
 {
@@ -119,8 +119,9 @@ static void check_offset(const struct gd_mesh *mesh, const struct gd_field *fiel
     gd_field_release(later);
 }
 
-/* Compares random points with their own fields, and checks that paths end on the curve. Returns the
- * largest relative error. */
+/* Computes the distances of random points from the curve. Compares them with the minima of the
+ * points' own fields along the curve, and checks that paths end on the curve. Returns the largest
+ * relative error. */
 static double check_against_points(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
                                    int count, struct rng *rng)
 {
@@ -288,9 +289,9 @@ static struct gd_point point_near(const struct gd_mesh *mesh, struct gd_vec3 pla
     return point;
 }
 
-/* Checks distances along the line that leaves a joint at a right angle. There the linear wedges of
- * both segments end. `bend` has the ends and the corner of the curve. Returns the largest relative
- * error. */
+/* Checks distances along the line that leaves a joint at a right angle. The wedges whose sources
+ * are the two segments end at this line. `bend` has the ends and the corner of the curve. Returns
+ * the largest relative error. */
 static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *field,
                              const struct gd_point *joint, struct gd_vec3 across,
                              const struct gd_vec3 bend[3])

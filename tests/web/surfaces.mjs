@@ -56,7 +56,10 @@ const missingLink = withMeshes(["here"], async (browser) => {
   await browser.ask("DELETE", "/v1/meshes/gone");
 });
 
-/** A choice that fails keeps the open surface and its answer, and the list forgets the name. */
+/**
+ * If the chosen surface is missing, the page keeps the open surface and its answer, and removes the
+ * name from the list.
+ */
 const missingChoice = withMeshes(["here", "gone"], async (browser) => {
   const page = await open(browser, "/#meshes=here&mode=pair");
   page.tolerate(/status of 404/);
@@ -71,7 +74,7 @@ const missingChoice = withMeshes(["here", "gone"], async (browser) => {
   await page.waitForFunction(() => !document.querySelector('option[value="meshes/gone"]'));
 });
 
-/** Of two loads, the surface that was chosen last is shown, whichever arrives first. */
+/** If two surfaces load at the same time, the page shows the surface chosen last. */
 const overtaken = withMeshes(["slow", "quick"], async (browser) => {
   const page = await open(browser, "/#meshes=quick&mode=pair");
   let release = () => {};
@@ -131,7 +134,7 @@ const patient = withMeshes(["taken", "other"], async (browser) => {
   assert.equal(await page.locator("#uploads .error").filter({ hasText: /./ }).count(), 0);
 });
 
-/** Each refused file of several is named with its reason. */
+/** If several files are refused, the page names each file with the reason. */
 const refusals = withMeshes(["here"], async (browser) => {
   const page = await open(browser, "/#meshes=here&mode=pair");
   page.tolerate(/status of 422/);
@@ -166,7 +169,7 @@ const blocked = withMeshes(["here"], async (browser) => {
   await page.getByRole("button", { name: "Dark" }).click();
 });
 
-/** A name of the greatest length fits the page and leaves room for suffixes. */
+/** A name of the greatest length fits into the page, and a name with a suffix is shortened. */
 const longName = withMeshes([LONG], async (browser) => {
   for (const viewport of [{ width: 390, height: 844 }, { width: 1366, height: 768 }]) {
     const page = await open(browser, `/#meshes=${LONG}&mode=cut`, { viewport });
@@ -188,7 +191,7 @@ const longName = withMeshes([LONG], async (browser) => {
   }
 });
 
-/** The page offers a mesh that another client has added once it has the focus again. */
+/** When the page gets the focus again, it offers the meshes that other clients have added. */
 const added = withMeshes(["here"], async (browser) => {
   const page = await open(browser, "/#meshes=here&mode=pair");
   await put(browser, "added");

@@ -24,8 +24,8 @@ static void refuses_other_content(void **state)
     assert_int_equal(read_text("<html>", (enum gd_format)99, NULL, NULL), GD_UNRECOGNIZED);
 }
 
-/* Each mesh has two quadrilaterals and a triangle on six vertices, which are five triangles when
- * triangulated. */
+/* Each mesh has six vertices, two quadrilaterals and one triangle. Triangulated, it has five
+ * triangles. */
 static const char *const meshes[] = {
     [GD_FORMAT_OBJ] =
         "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nf 1 2 5 4\nf 2 3 6 5\nf 1 2 3\n",
@@ -69,8 +69,8 @@ static enum gd_status read_within(enum gd_format format, enum gd_format named, u
                      detail);
 }
 
-/* Each format reads input exactly at the limits and rejects one element more. The test uses
- * recognition and a named format. */
+/* Each reader accepts input exactly at the limits and rejects one element more. Each file is read
+ * twice: with a named format, and with a format that is recognised from the content. */
 static void keeps_the_limits(void **state)
 {
     (void)state;
@@ -141,7 +141,8 @@ static void grows_with_the_input(void **state)
 
 /* --- control ---------------------------------------------------------------------------------- */
 
-/* Cancels a call after this number of checks of its control. */
+/* Cancels a call when its control is checked more than `allowed` times. `looks` counts the
+ * checks. */
 struct watch {
     size_t looks, allowed;
     double last;
@@ -199,7 +200,7 @@ static void obeys_its_control(void **state)
     gd_polygons_free(&sphere);
 }
 
-/* Checks the control in a text that repeats the same part between a beginning and an end. */
+/* Runs check_control on a text: `begin`, then `repeated` many times, then `end`. */
 static void check_control_of_skipped(const char *begin, const char *repeated, const char *end)
 {
     enum { TIMES = 200000 };

@@ -9,8 +9,8 @@ static struct gd_vec3 heading(const struct gd_mesh *mesh, struct gd_point point,
     return gd__turn_direction(mesh, &point, gd__turn_reduce(mesh, &point, turn)).xyz;
 }
 
-/* Searches all directions at the vertex that lie in the plane and lead forward. Returns the one
- * with the smallest turn, or NAN. */
+/* Searches the directions at the vertex that lie in the plane with the normal `across`. Returns the
+ * turn of the direction nearest to `ahead`, or NAN if no such direction leads forward. */
 static double search(const struct gd_mesh *mesh, struct gd_point point, struct gd_vec3 across,
                      struct gd_vec3 ahead)
 {
@@ -53,7 +53,8 @@ static void least_turn_in_the_plane(void **state)
         const struct gd_trace_options options = {.vertex_rule = GD_VERTEX_RULE_NORMAL,
                                                  .normals = normals};
         assert_true(gd__straight_on(saddle.mesh, apex.element, back, &options, &out));
-        /* no direction lies in the plane, so the expected direction halves the angle */
+        /* no direction in the plane leads forward, so the expected direction halves the vertex'
+           total angle */
         if (isnan(expected)) {
             expected =
                 gd__turn_reduce(saddle.mesh, &apex, back + gd__turn_total(saddle.mesh, &apex) / 2);
@@ -99,7 +100,7 @@ static void slides_round_a_hexagon(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Along a straight side of the boundary a line passes over vertices, in both senses. */
+/* A line along a straight side of the boundary passes over vertices, in both directions. */
 static void runs_along_a_straight_side(void **state)
 {
     (void)state;
