@@ -2,8 +2,8 @@
 
 .PHONY: client-c check-pages
 
-# Packages of npm build the pages (clients/web/build.sh), once for all builds below $(BUILD).
-# VIEWER=no: instead a page that says that the viewer is missing.
+# clients/web/build.sh builds the pages with packages of npm, once for all builds below $(BUILD).
+# With VIEWER=no, one page replaces them; it says that the viewer is missing.
 VIEWER ?= yes
 export PAGES_BUILD ?= $(abspath $(BUILD)/web)
 ifeq ($(VIEWER),no)
@@ -26,7 +26,7 @@ $(BUILD)/generated/pages-$(VIEWER):
 	@rm -f $(@D)/pages-* && touch $@
 
 # The documents below /docs, and the client library for JavaScript as /client.js. The prerequisites
-# include the sources of the reference's tables.
+# include the sources from which render.py makes the tables of reference.md.
 DOCUMENTS := $(BUILD)/generated/documents
 $(DOCUMENTS)/docs/page.css: clients/js/index.js $(wildcard server/doc/guide/* server/doc/guide/drawings/*) $(BUILD)/generated/pages-$(VIEWER) proto/openapi.yaml proto/json/problem.h \
     server/config/config.c server/exchange/metrics.c server/gauges.c server/access/access.c
