@@ -179,6 +179,55 @@ async function creases({ settings }) {
   assert.deepEqual([...sheet.normals], [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1]);
 }
 
+/** Twice the area of a polygon of barycentric coordinates; 1 for the whole face. */
+const areaOf = (corners) =>
+  corners.reduce((sum, [x, y], i) => {
+    const [u, v] = corners[(i + 1) % corners.length];
+    return sum + x * v - y * u;
+  }, 0);
+
+/** The distance of a point from the border of a convex polygon, negative outside. */
+const depthOf = ([x, y], corners) =>
+  Math.min(
+    ...corners.map(([a, b], i) => {
+      const [c, d] = corners[(i + 1) % corners.length];
+      return ((c - a) * (y - b) - (d - b) * (x - a)) / (Math.hypot(c - a, d - b) || 1);
+    }),
+  );
+
+/** Pieces of a face cover it, and no bisector enters a piece. */
+async function cells({ settings }) {
+  const { middleOf, piecesOf } = await load(settings, "cells");
+  const faces = Uint32Array.of(0, 1, 2, 0, 2, 3);
+  const inside = (x, y) => ({ face: 0, barycentric: [x, y, 1 - x - y], xyz: [x, y, 0] });
+  const on = (edge, t, xyz) => ({ edge, t, xyz });
+  const chord = [on([0, 1], 0.25, [0.75, 0.25, 0]), on([0, 2], 0.25, [0.75, 0, 0])];
+  const corner = piecesOf(faces, [0, 1, 1, 1], [chord], 0);
+  assert.deepEqual(corner.map(({ face }) => face), [0, 0, 1]);
+  const small = corner.find((piece) => middleOf(piece)[0] > 0.75);
+  assert.ok(Math.abs(areaOf(small.corners) - 1 / 16) < 1e-12);
+  assert.deepEqual(piecesOf(faces, [0, 0, 0, 0], [], 0), []);
+  const bent = [chord[0], inside(0.74, 0.1), chord[1]];
+  assert.equal(piecesOf(faces, [0, 1, 1, 1], [bent], 0.1).length, 3);
+  const random = randoms(3);
+  for (let i = 0; i < 50; i++) {
+    const [x, y, size] = [0.2 + 0.2 * random(), 0.2 + 0.2 * random(), 0.05 + 0.1 * random()];
+    const ring = Array.from({ length: 20 }, (_, j) => {
+      const radius = size * (0.7 + 0.3 * random());
+      return inside(x + radius * Math.cos(0.1 * Math.PI * j), y + radius * Math.sin(0.1 * Math.PI * j));
+    });
+    const pieces = piecesOf(faces, [0, 0, 0, 0], [[...ring, ring[0]]], 0);
+    const area = pieces.reduce((sum, piece) => sum + areaOf(piece.corners), 0);
+    assert.ok(Math.abs(area - 1) < 1e-9, `the pieces have the area ${area}`);
+    for (const { corners } of pieces)
+      for (const [j, { barycentric: a }] of ring.entries()) {
+        const b = ring[(j + 1) % ring.length].barycentric;
+        const depth = depthOf(a.map((w, axis) => (w + b[axis]) / 2), corners);
+        assert.ok(depth < 1e-5, `a segment enters a piece by ${depth}`);
+      }
+  }
+}
+
 /** Lines in each format, read back. */
 async function lineFiles({ settings }) {
   const { objOf, csvOf, glbOf } = await load(settings, "files");
@@ -224,6 +273,7 @@ async function maps({ settings }) {
 export const tests = {
   "sharp edges split normals": creases,
   "lines as files": lineFiles,
+  "faces are split at bisectors": cells,
   "names of uploads": names,
   "colour maps": maps,
   "rays hit the triangles that a test of all finds": rays,

@@ -8,7 +8,7 @@ import type { ColourMap } from "./colours.ts";
 import { type Api, ask, type Request } from "./api.ts";
 import { runJob } from "./jobs.ts";
 import type { Legend } from "./legend.ts";
-import { pointOf } from "./place.ts";
+import { type Place, pointOf } from "./place.ts";
 import type { Points } from "./points.ts";
 import type { Scene } from "./scene.ts";
 import type { Surface } from "./surface.ts";
@@ -17,6 +17,8 @@ import type { Units } from "./units.ts";
 /* on surfaces with at least this number of faces, slow queries run as jobs, with progress and
  * Cancel */
 const JOB_FACES = 20000;
+/* largest number of places of a request, because the daemon reads at most 1 MiB */
+const MOST_PLACES = 10000;
 const SLOW = 300; /* milliseconds after which a newer query aborts a running one */
 
 export class Bench {
@@ -162,26 +164,29 @@ export class Bench {
   }
 
   /**
-   * Returns, for each sample of the surface, the exact distance to a set and the index of the
-   * nearest element of the set. Returns null if the surface has no samples. Only colours need this
-   * request, so the page does not show it.
+   * Returns the exact distance of each place to a set, and the index of the nearest member of the
+   * set. Only colours need these requests, so the page does not show them.
    */
-  async fineDistances(
-    set: object,
-  ): Promise<{ values: Float64Array; labels: (number | null)[] } | null> {
-    const { samples, path } = this.surface!;
-    if (!samples) return null;
-    const request: Request = {
-      method: "POST",
-      path: `${path}/distance-to-set`,
-      query: { select: "distance,nearest" },
-      json: { set, points: samples.map(pointOf) },
-    };
-    const { results } = await this.api.json<ResultsAnswer>(request, this.running?.signal);
-    return {
-      values: Float64Array.from(results, ({ distance }) => distance ?? NaN),
-      labels: results.map(({ nearest }) => nearest?.index ?? null),
-    };
+  async nearest(set: object, places: Place[]): Promise<Nearest> {
+    const found: Nearest = { values: new Float64Array(places.length), labels: [] };
+    for (let at = 0; at < places.length; at += MOST_PLACES) {
+      const request: Request = {
+        method: "POST",
+        path: `${this.surface!.path}/distance-to-set`,
+        query: { select: "distance,nearest" },
+        json: { set, points: places.slice(at, at + MOST_PLACES).map(pointOf) },
+      };
+      const { results } = await this.api.json<ResultsAnswer>(request, this.running?.signal);
+      found.values.set(results.map(({ distance }) => distance ?? NaN), at);
+      for (const { nearest } of results) found.labels.push(nearest?.index ?? null);
+    }
+    return found;
+  }
+
+  /** Like `nearest`, for the samples of the surface. Returns null if it has no samples. */
+  async nearestOfSamples(set: object): Promise<Nearest | null> {
+    const { samples } = this.surface!;
+    return samples && this.nearest(set, samples);
   }
 
   /**
@@ -203,6 +208,12 @@ export class Bench {
       await this.ask(request, (sent) => runJob(this.api, sent, onProgress, running.signal)),
     );
   }
+}
+
+interface Nearest {
+  /** NaN for a place that no path reaches. */
+  values: Float64Array;
+  labels: (number | null)[];
 }
 
 type Send = (request: Request) => Promise<Response>;

@@ -278,7 +278,7 @@ export class Scene {
     const { surface, skin } = this;
     this.other = other && surface ? this.otherSkin(other, surface) : undefined;
     this.renderer.localClippingEnabled = this.other !== undefined;
-    if (skin) skin.mesh.material.clippingPlanes = this.other ? [this.leftSide] : null;
+    if (skin) skin.clippingPlanes = this.other ? [this.leftSide] : null;
     this.redraw();
   }
 
@@ -287,7 +287,7 @@ export class Scene {
     const { faces } = other.triangles;
     const skin = new Skin({ positions, faces }, shaded(positions, faces));
     skin.mesh.material.color = this.skin!.mesh.material.color;
-    skin.mesh.material.clippingPlanes = [this.rightSide];
+    skin.clippingPlanes = [this.rightSide];
     this.ground.add(skin.mesh);
     return skin;
   }

@@ -4,20 +4,22 @@
 import {
   BufferAttribute,
   BufferGeometry,
-  Color,
   DataTexture,
   DoubleSide,
   LinearFilter,
   Mesh,
   MeshBasicMaterial,
   MeshMatcapMaterial,
+  type Plane,
   SRGBColorSpace,
 } from "three";
+import type { Piece } from "./cells.ts";
 import { type ColourMap, type Rgb, rampBytes, toLinear } from "./colours.ts";
 import type { Shaded } from "./creases.ts";
 import { encode } from "./passes.ts";
 import { type Fine, interpolated } from "./fine.ts";
 import { studioLight } from "./studio.ts";
+import type { Vec3 } from "./vector.ts";
 
 const RAMP_SIZE = 256;
 
@@ -85,6 +87,35 @@ function drawn(shaded: Shaded, fine: Fine | null): BufferGeometry {
   );
 }
 
+/** Returns linear bytes of a colour. */
+const bytesOf = (rgb: Rgb): number[] => rgb.map((c) => Math.round(255 * toLinear(c)));
+
+/** Returns the triangles of pieces of faces, with normals interpolated in the faces. */
+function pieceGeometry(shaded: Shaded, pieces: Piece[], colours: Rgb[]): BufferGeometry {
+  const positions: number[] = [];
+  const normals: number[] = [];
+  const bytes: number[] = [];
+  const indices: number[] = [];
+  const push = (to: number[], from: Float32Array, face: number, weights: Vec3): void => {
+    for (let axis = 0; axis < 3; axis++) {
+      const at = (i: number): number => from[3 * shaded.faces[3 * face + i]! + axis]!;
+      to.push(weights[0] * at(0) + weights[1] * at(1) + weights[2] * at(2));
+    }
+  };
+  pieces.forEach(({ face, corners }, i) => {
+    const first = positions.length / 3;
+    for (const weights of corners) {
+      push(positions, shaded.positions, face, weights);
+      push(normals, shaded.normals, face, weights);
+      bytes.push(...bytesOf(colours[i]!));
+    }
+    for (let j = 2; j < corners.length; j++) indices.push(first, first + j - 1, first + j);
+  });
+  const geometry = geometryOf(Float32Array.from(positions), Uint32Array.from(indices));
+  geometry.setAttribute("normal", new BufferAttribute(Float32Array.from(normals), 3));
+  return geometry.setAttribute("color", new BufferAttribute(Uint8Array.from(bytes), 3, true));
+}
+
 /** Returns the mean length of the first edges of a sample of the faces. */
 function meanEdge({ positions, faces }: { positions: Float32Array; faces: Uint32Array }): number {
   const step = 3 * Math.max(1, Math.floor(faces.length / 3000));
@@ -99,6 +130,8 @@ function meanEdge({ positions, faces }: { positions: Float32Array; faces: Uint32
 export class Skin {
   readonly mesh: Mesh<BufferGeometry, MeshMatcapMaterial>;
   private edges: Mesh<BufferGeometry, MeshBasicMaterial> | undefined;
+  /** Pieces of faces, drawn over the faces. */
+  private pieces: Mesh<BufferGeometry, MeshMatcapMaterial> | undefined;
   /** Uniforms: the colour map, the values at its ends, and the number of isolines. */
   readonly uniforms = {
     ramp: { value: null as DataTexture | null },
@@ -113,25 +146,32 @@ export class Skin {
    */
   constructor(
     private readonly own: { positions: Float32Array; faces: Uint32Array },
-    shaded: Shaded,
+    private readonly shaded: Shaded,
     private readonly fine: Fine | null = null,
   ) {
     this.isFlat = fine !== null;
     const geometry = drawn(shaded, fine);
     const vertexCount = geometry.getAttribute("position").count;
     geometry.setAttribute("value", new BufferAttribute(new Float32Array(vertexCount).fill(-1), 1));
-    this.mesh = new Mesh(geometry, this.material());
+    this.mesh = new Mesh(geometry, this.rampMaterial());
   }
 
-  private material(): MeshMatcapMaterial {
+  /** Returns a material in studio light, `offset` behind lines and edges. */
+  private material(offset: number): MeshMatcapMaterial {
     const material = new MeshMatcapMaterial({
       matcap: studioLight(),
       side: DoubleSide,
       flatShading: this.isFlat,
       polygonOffset: true,
-      polygonOffsetFactor: 1,
-      polygonOffsetUnits: 1,
+      polygonOffsetFactor: offset,
+      polygonOffsetUnits: offset,
     });
+    material.onBeforeCompile = encode;
+    return material;
+  }
+
+  private rampMaterial(): MeshMatcapMaterial {
+    const material = this.material(1);
     material.onBeforeCompile = (shader) => {
       Object.assign(shader.uniforms, this.uniforms);
       shader.vertexShader = shader.vertexShader
@@ -146,7 +186,16 @@ export class Skin {
   }
 
   setColour(colour: string): void {
-    this.mesh.material.color = new Color(colour);
+    this.mesh.material.color.set(colour);
+  }
+
+  private get materials(): MeshMatcapMaterial[] {
+    return this.pieces ? [this.mesh.material, this.pieces.material] : [this.mesh.material];
+  }
+
+  /** Hides what lies behind the planes. */
+  set clippingPlanes(planes: Plane[] | null) {
+    for (const material of this.materials) material.clippingPlanes = planes;
   }
 
   /** Sets the shading. A refined mesh always has flat shading. */
@@ -154,8 +203,10 @@ export class Skin {
     const isFlat = shading === "flat" || this.fine !== null;
     if (isFlat === this.isFlat) return;
     this.isFlat = isFlat;
-    this.mesh.material.flatShading = isFlat;
-    this.mesh.material.needsUpdate = true;
+    for (const material of this.materials) {
+      material.flatShading = isFlat;
+      material.needsUpdate = true;
+    }
   }
 
   /** Whether only values colour the surface, without edges or colours per vertex. */
@@ -218,8 +269,7 @@ export class Skin {
 
   /** Colours each drawn vertex by its label. The label null shows the plain colour. */
   showLabels(labels: ArrayLike<number | null>, colours: Rgb[], plain: Rgb): void {
-    const bytes = (rgb: Rgb): number[] => rgb.map((c) => Math.round(255 * toLinear(c)));
-    const [plainBytes, colourBytes] = [bytes(plain), colours.map(bytes)];
+    const [plainBytes, colourBytes] = [bytesOf(plain), colours.map(bytesOf)];
     const array = new Uint8ClampedArray(3 * labels.length);
     for (let i = 0; i < labels.length; i++) {
       const label = labels[i]!;
@@ -229,8 +279,27 @@ export class Skin {
     this.useVertexColours(true);
   }
 
-  /** Removes values and labels. */
+  /** Draws pieces of faces over the faces, each in its colour. */
+  showPieces(pieces: Piece[], colours: Rgb[]): void {
+    this.pieces ??= this.makePieces();
+    this.pieces.geometry.dispose();
+    this.pieces.geometry = pieceGeometry(this.shaded, pieces, colours);
+    this.pieces.visible = true;
+  }
+
+  private makePieces(): Mesh<BufferGeometry, MeshMatcapMaterial> {
+    const material = this.material(0.5);
+    material.color = this.mesh.material.color;
+    material.clippingPlanes = this.mesh.material.clippingPlanes;
+    material.vertexColors = true;
+    const pieces = new Mesh(new BufferGeometry(), material);
+    this.mesh.add(pieces);
+    return pieces;
+  }
+
+  /** Removes values, labels and pieces. */
   clear(): void {
+    if (this.pieces) this.pieces.visible = false;
     const attribute = this.mesh.geometry.getAttribute("value") as BufferAttribute;
     (attribute.array as Float32Array).fill(-1);
     attribute.needsUpdate = true;
@@ -245,6 +314,8 @@ export class Skin {
   }
 
   dispose(): void {
+    this.pieces?.geometry.dispose();
+    this.pieces?.material.dispose();
     this.mesh.geometry.dispose();
     this.mesh.material.dispose();
     this.edges?.geometry.dispose();

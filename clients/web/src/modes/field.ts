@@ -147,7 +147,7 @@ export class FieldMode extends Mode {
   /** Adds the parts of the answer that a drag leaves out. */
   private async refine(field: Field, set: object, source: Place): Promise<void> {
     const { bench, settings } = this;
-    const fine = await bench.fineDistances(set);
+    const fine = await bench.nearestOfSamples(set);
     if (fine) bench.scene.skin!.showValues(bench.surface!.spreadSamples(fine.values), field.max!);
     bench.scene.recolour();
     await this.showIsolines(field);

@@ -3,11 +3,14 @@
 
 import type {
   Field,
+  PathPoint,
   Point,
   PointAnswer,
   SamplingAnswer,
+  Vector,
   VoronoiAnswer,
 } from "../../../js/types.d.ts";
+import { middleOf, type Piece, piecesOf } from "../cells.ts";
 import { hexOf, memberColour, type Rgb } from "../colours.ts";
 import type { FileOffer } from "../files.ts";
 import { type Place, placeOf, pointOf } from "../place.ts";
@@ -22,9 +25,19 @@ import {
   LIVE_FACES,
   valuesOf,
 } from "./field.ts";
-import { doing, INK, Mode, XYZ } from "./mode.ts";
+import { doing, INK, Mode } from "./mode.ts";
 
+/* borders of cells are drawn to this fraction of the surface's size, less than a pixel */
+const PRECISION = 4000;
 const PLAIN: Rgb = [0.75, 0.77, 0.78];
+
+const xyzOf = (point: PathPoint | Vector): Vec3 =>
+  (Array.isArray(point) ? point : point.xyz) as Vec3;
+
+interface LabelledPiece extends Piece {
+  /** The index of the nearest point, or null if no path reaches the piece. */
+  label: number | null;
+}
 
 export class SetMode extends Mode {
   readonly id = "set";
@@ -77,7 +90,9 @@ export class SetMode extends Mode {
     const showsDistance = settings.text("colour") === "distance";
     const count = settings.number("isolines");
     const isQuick = live && !hasExactIsolines(bench, false);
-    const parameters = { ...XYZ, ...(isQuick && { select: "labels" }) };
+    const parameters: Record<string, string> = isQuick
+      ? { select: "labels" }
+      : { geometry: live ? "xyz" : "full" };
     const voronoi = await bench.postLong<VoronoiAnswer>(
       "voronoi",
       { set: this.set },
@@ -92,13 +107,28 @@ export class SetMode extends Mode {
     const values = hasValues ? await valuesOf(bench, field.id!) : undefined;
     const isExact = field && count > 0 && hasExactIsolines(bench, live);
     const isolines = isExact ? await isolinesOf(bench, field.id!, count) : [];
-    const fine = live ? null : await bench.fineDistances(this.set);
+    const fine = live ? null : await bench.nearestOfSamples(this.set);
+    const pieces = live || showsDistance ? [] : await this.pieces(voronoi);
     if (bench.aborted) return;
     this.showCells(voronoi, fine?.labels ?? voronoi.labels!, fine !== null, places);
+    const colours = pieces.map(({ label }) => (label === null ? PLAIN : memberColour(label)));
+    if (pieces.length > 0) bench.scene.skin!.showPieces(pieces, colours);
     this.isolines(isolines);
     bench.scene.skin!.setIsolines(isExact ? 0 : count);
     if (field && showsDistance) this.showDistance(field, values, fine?.values);
     bench.scene.redraw();
+  }
+
+  /** Returns the pieces of the faces that bisectors cross, with the nearest point of each. */
+  private async pieces(voronoi: VoronoiAnswer): Promise<LabelledPiece[]> {
+    const surface = this.bench.surface!;
+    if (surface.isRenumbered) return [];
+    const lines = voronoi.bisectors!.map(({ points }) => points as PathPoint[]);
+    const tolerance = surface.size / PRECISION;
+    const pieces = piecesOf(surface.triangles.faces, voronoi.labels!, lines, tolerance);
+    const middles = pieces.map((piece) => surface.place(piece.face, middleOf(piece)));
+    const { labels } = await this.bench.nearest(this.set, middles);
+    return pieces.map((piece, i) => ({ ...piece, label: labels[i]! }));
   }
 
   private showCells(
@@ -118,7 +148,7 @@ export class SetMode extends Mode {
     );
     const bisectors = voronoi.bisectors ?? [];
     const lines = this.settings.on("bisectors")
-      ? bisectors.map((bisector) => bisector.points as Vec3[])
+      ? bisectors.map(({ points }) => points!.map(xyzOf))
       : [];
     this.lines("bisectors", lines, INK.isoline, 2.5, 0.15);
     const total = bisectors.reduce((sum, bisector) => sum + bisector.length, 0);
