@@ -1,7 +1,7 @@
 // Edits of the mesh: the new mesh is compared with the original and opened.
 
 import assert from "node:assert/strict";
-import { read, settle } from "./viewer.mjs";
+import { OCTAHEDRON, read, settle } from "./viewer.mjs";
 
 async function simplified(browser) {
   const { large } = browser.settings;
@@ -26,6 +26,30 @@ async function simplified(browser) {
   await browser.ask("DELETE", `/v1/meshes/${large}-2`);
 }
 
+/** Fills the hole of an octahedron without one face, then smooths it. */
+async function filledAndSmoothed(browser) {
+  const open = OCTAHEDRON.replace(/f [^\n]*\n$/, "");
+  await fetch(`${browser.settings.url}/v1/meshes/shell`, { method: "PUT", body: open });
+  const page = await browser.page("/#meshes=shell&mode=pair");
+  await settle(page);
+  await page.getByText("Edit the mesh").click();
+  for (const [edit, name] of [["fill", "shell-2"], ["smooth", "shell-3"]]) {
+    await page.getByLabel("Edit", { exact: true }).selectOption(edit);
+    await page.getByRole("button", { name: "Make a new mesh" }).click();
+    await page.getByRole("button", { name: `Open ${name}` }).waitFor();
+  }
+  const [filled, smooth] = [
+    await browser.ask("GET", "/v1/meshes/shell-2"),
+    await browser.ask("GET", "/v1/meshes/shell-3"),
+  ];
+  assert.deepEqual([filled.faces, filled.boundary_count], [8, 0]);
+  assert.equal(smooth.faces, 7);
+  assert.notEqual(smooth.sha256, filled.sha256);
+  for (const name of ["shell", "shell-2", "shell-3"])
+    await browser.ask("DELETE", `/v1/meshes/${name}`);
+}
+
 export const tests = {
   "simplify, compare and open": simplified,
+  "fill a hole, and smooth": filledAndSmoothed,
 };

@@ -1,7 +1,7 @@
-// Edits the mesh: simplifies it, or keeps its largest component. The result is a new mesh on the
-// daemon. A slider splits the picture: the original on the left, the result on the right.
+// Edits the mesh: simplifies it, fills its holes, smooths it, or keeps its largest component. The
+// result is a new mesh on the daemon. A slider splits the picture: the original on the left, the result on the right.
 
-import type { DeriveRequest, Mesh } from "../../js/types.d.ts";
+import type { EditOperation, Mesh } from "../../js/types.d.ts";
 import type { App } from "./app.ts";
 import { ask } from "./api.ts";
 import { isAbort } from "./bench.ts";
@@ -18,6 +18,8 @@ export class Derive {
   private readonly settings = new Settings({
     edit: choice("Edit", "simplify", [
       ["simplify", "simplify"],
+      ["fill", "fill holes"],
+      ["smooth", "smooth"],
       ["components", "keep the largest component"],
     ]),
     part: only(
@@ -32,6 +34,8 @@ export class Derive {
         (percent) => `${percent} %, ${whole(this.faces(percent))}`,
       ),
     ),
+    edges: only("edit", ["fill"], range("Longest hole, in edges", 1000, 3, 2000, 1, whole)),
+    rounds: only("edit", ["smooth"], range("Rounds", 5, 1, 100, 1)),
   });
   private readonly result = make("div");
   private readonly notice = new Notice();
@@ -64,9 +68,18 @@ export class Derive {
     this.notice.warn("");
   }
 
-  private get operations(): DeriveRequest["operations"] {
-    if (this.settings.text("edit") === "components") return [{ operation: "components", keep: 1 }];
-    return [{ operation: "simplify", faces: this.faces(this.settings.number("part")) }];
+  private get operation(): EditOperation {
+    const { settings } = this;
+    switch (settings.text("edit")) {
+      case "simplify":
+        return { operation: "simplify", faces: this.faces(settings.number("part")) };
+      case "fill":
+        return { operation: "fill", max_edges: settings.number("edges") };
+      case "smooth":
+        return { operation: "smooth", iterations: settings.number("rounds") };
+      default:
+        return { operation: "components", keep: 1 };
+    }
   }
 
   private async run(): Promise<void> {
@@ -74,7 +87,7 @@ export class Derive {
     const { notice } = this;
     const surface = bench.surface!;
     const running = new AbortController();
-    const json = { operations: this.operations, mesh: freeName(surface.name, 2, bench.taken) };
+    const json = { operations: [this.operation], mesh: freeName(surface.name, 2, bench.taken) };
     const request = { method: "POST", path: `${surface.path}/derive`, json } as const;
     const onPart = (part: number): void =>
       notice.showProgress("Editing", part, () => running.abort());
