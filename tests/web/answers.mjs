@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { assertRate, read, settle, SMALL } from "./viewer.mjs";
 
-const LEAST_FIELDS = 2; /* fields a second while a source is dragged */
+const LEAST_FIELDS = 8; /* fields a second while a source is dragged */
 
 const open = async (browser, mode = "pair") => {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=${mode}`);

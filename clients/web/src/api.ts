@@ -9,7 +9,7 @@ export interface Request {
   /** Sent as JSON. */
   json?: unknown;
   /** Sent unchanged. The page shows `name` instead of the content. */
-  file?: { name: string; body: Blob };
+  file?: { name: string; body: Blob | Uint8Array<ArrayBuffer> };
   accept?: string;
   headers?: Record<string, string>;
 }

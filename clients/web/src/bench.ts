@@ -151,9 +151,10 @@ export class Bench {
 
   /** Posts typed arrays and returns the arrays of the answer, in single precision. */
   async postArrays(path: string, arrays: Arrays): Promise<Arrays> {
-    const body = new Blob([writeArrays(arrays)], { type: "application/octet-stream" });
-    const file = { name: `${path}.arrays`, body };
-    const response = await this.direct(this.request(path, { query: { format: "f32" }, file }));
+    const file = { name: `${path}.arrays`, body: writeArrays(arrays) };
+    const headers = { "Content-Type": "application/octet-stream" };
+    const query = { format: "f32" };
+    const response = await this.direct(this.request(path, { query, file, headers }));
     const answer = readArrays(await response.arrayBuffer());
     this.running?.signal.throwIfAborted();
     return answer;

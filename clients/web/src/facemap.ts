@@ -45,14 +45,15 @@ varying vec2 at;
 ${RAMP_UNIFORMS}
 void main() {
   vec4 place = texelFetch(places, ivec2(gl_FragCoord.xy), 0);
-  int face = max(0, int(place.x) - 1);
+  gl_FragDepth = texture2D(depth, at).r;
+  gl_FragColor = texture2D(colour, at);
+  if (place.x == 0.0) return;
+  int face = int(place.x) - 1;
   vec3 corners = texelFetch(values, ivec2(face % ${ROW}, face / ${ROW}), 0).rgb;
   float vValue = dot(corners, vec3(place.yz, 1.0 - place.y - place.z));
   vec4 diffuseColor = vec4(plain, 1.0);
   ${RAMP_COLOUR}
-  vec4 shaded = sRGBTransferOETF(vec4(diffuseColor.rgb * place.w, 1.0));
-  gl_FragColor = place.x > 0.0 ? shaded : texture2D(colour, at);
-  gl_FragDepth = texture2D(depth, at).r;
+  gl_FragColor = sRGBTransferOETF(vec4(diffuseColor.rgb * place.w, 1.0));
 }`;
 
 /** Returns a material whose colour has the face's number plus 1, two weights, and the light. */

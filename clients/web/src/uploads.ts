@@ -55,7 +55,8 @@ function send(
   return new Promise((resolve, reject) => {
     const sent = new XMLHttpRequest();
     sent.open(request.method, pathOf(request));
-    const isLarge = request.file!.body.size > LARGE;
+    const { body } = request.file!;
+    const isLarge = body instanceof Blob && body.size > LARGE;
     if (isLarge) sent.setRequestHeader("Prefer", "respond-async"); /* a job reports progress */
     for (const [name, value] of Object.entries(request.headers ?? {}))
       sent.setRequestHeader(name, value);
@@ -66,7 +67,7 @@ function send(
       reject(new Error("The connection broke during the upload. Send the file again."));
     sent.onabort = () => reject(new DOMException("The upload was cancelled.", "AbortError"));
     signal.addEventListener("abort", () => sent.abort());
-    sent.send(request.file!.body);
+    sent.send(body);
   });
 }
 
