@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { assertSameDistance, read, settle } from "./viewer.mjs";
+import { assertSameDistance, read, settle, shows } from "./viewer.mjs";
 
 const open = async (browser, more = "") => {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair${more}`);
@@ -25,11 +25,15 @@ async function undo(browser) {
   const second = await distance(page);
   assert.notEqual(first, second);
   await page.keyboard.press("Control+z");
-  await page.waitForFunction((wanted) => window.geodesicd.last?.distance === wanted, first);
+  await shows(page, first);
   await page.keyboard.press("Control+Shift+z");
-  await page.waitForFunction((wanted) => window.geodesicd.last?.distance === wanted, second);
-  for (let i = 0; i < 3; i++) await page.keyboard.press("Control+z");
-  await page.waitForFunction((wanted) => window.geodesicd.last?.distance === wanted, first);
+  await shows(page, second);
+  // quick repeats, before the browser has taken the first step, do not leave the page
+  await page.evaluate(() => {
+    for (let i = 0; i < 3; i++)
+      dispatchEvent(new KeyboardEvent("keydown", { key: "z", ctrlKey: true }));
+  });
+  await shows(page, first);
 }
 
 /** A link holds unit, colours, edges, mode and via points, and a mesh keeps its unit. */
@@ -47,6 +51,7 @@ async function link(browser) {
   await settle(page);
   assert.match(await page.locator("#answer dd.main").textContent(), / mm$/);
   await page.getByRole("button", { name: "Copy link" }).click();
+  await page.getByRole("button", { name: "Copied" }).waitFor();
   const address = await page.evaluate(() => navigator.clipboard.readText());
   for (const part of [/unit=mm/, /ramp=turbo/, /edges=true/, /via=f:/, /camera=/])
     assert.match(address, part);

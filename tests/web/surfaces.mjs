@@ -83,10 +83,14 @@ const overtaken = withMeshes(["slow", "quick"], async (browser) => {
     await held;
     await route.continue().catch(() => {}); // the page may have aborted the request
   });
-  await select(page).selectOption("meshes/slow");
-  await page.waitForRequest(/\/slow\/content/);
-  await select(page).selectOption("meshes/quick");
-  await page.waitForResponse(/\/quick\/content/);
+  await Promise.all([
+    page.waitForRequest(/\/slow\/content/),
+    select(page).selectOption("meshes/slow"),
+  ]);
+  await Promise.all([
+    page.waitForResponse(/\/quick\/content/),
+    select(page).selectOption("meshes/quick"),
+  ]);
   release();
   await settle(page);
   assert.equal(await shownMesh(page), "quick");

@@ -54,8 +54,8 @@ export function copying(
 ): HTMLButtonElement {
   const node = button(
     label,
-    () => {
-      void copy(text());
+    async () => {
+      await copy(text());
       node.textContent = "Copied";
       setTimeout(() => (node.textContent = label), 2000);
     },

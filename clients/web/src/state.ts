@@ -12,6 +12,8 @@ const depth = (): number => (history.state as { depth?: number } | null)?.depth 
 
 export class State {
   private timer = 0;
+  /** Like `depth()`, but counts steps back that the browser has not taken yet. */
+  private depth = depth();
   private isEdit = false;
   /** Whether a write is pending until its delay ends. */
   isPending = false;
@@ -26,6 +28,7 @@ export class State {
     private readonly read: () => Record<string, string>,
     onMove: () => void,
   ) {
+    addEventListener("popstate", () => (this.depth = depth()));
     addEventListener("hashchange", () => {
       if (location.hash === this.current) return;
       this.current = location.hash;
@@ -60,14 +63,17 @@ export class State {
     this.isEdit = false;
     this.current = fragment;
     const target = fragment || location.pathname + location.search;
-    if (isNew) history.pushState({ depth: depth() + 1 }, "", target);
-    else history.replaceState({ depth: depth() }, "", target);
+    if (isNew) this.depth++;
+    if (isNew) history.pushState({ depth: this.depth }, "", target);
+    else history.replaceState({ depth: this.depth }, "", target);
   }
 
   /** Goes back one history entry, but never leaves the page. */
   undo(): void {
     this.flush();
-    if (depth() > 0) history.back();
+    if (this.depth === 0) return;
+    this.depth--;
+    history.back();
   }
 
   redo(): void {
