@@ -50,7 +50,7 @@ API_HALF    := $(shell expr $(words $(API_MODULES)) / 2)
 API_FIRST   := $(wordlist 1,$(API_HALF),$(API_MODULES))
 API_SECOND  := $(filter-out $(API_FIRST),$(API_MODULES))
 WEB_FIRST  := types,modules:,viewer:,surfaces:,uploads:,answers:,history:
-WEB_SECOND := layout:,picture:,derive:,embed:,modes:,docs:
+WEB_SECOND := layout:,picture:,derive:,embed:,modes:,docs:,figures:
 
 test: announce-test setup-test nurbs-peers contract-linter contract-generators web-peers ## set up and run all tests
 	@$(MAKE) --no-print-directory -j2 build test-build libraries $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc

@@ -5,6 +5,7 @@ import { Browser } from "./browser.mjs";
 import * as answers from "./answers.mjs";
 import * as derive from "./derive.mjs";
 import * as embed from "./embed.mjs";
+import * as figures from "./figures.mjs";
 import * as docs from "./docs.mjs";
 import * as history from "./history.mjs";
 import * as layout from "./layout.mjs";
@@ -48,6 +49,7 @@ const groups = {
   embed: embed.tests,
   modes: await modes.tests(browser),
   docs: docs.tests,
+  figures: withLong(figures),
 };
 for (const [group, tests] of Object.entries(groups)) {
   for (const [name, test] of Object.entries(tests)) {
