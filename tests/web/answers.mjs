@@ -1,7 +1,7 @@
 // Answers and their absence: incomplete points, refusals, a daemon that is busy, locked or stopped.
 
 import assert from "node:assert/strict";
-import { assertRate, read, settle, SMALL } from "./viewer.mjs";
+import { assertRate, OCTAHEDRON, read, settle, SMALL } from "./viewer.mjs";
 
 const LEAST_FIELDS = 8; /* fields a second while a source is dragged */
 
@@ -122,10 +122,26 @@ async function missed(browser) {
   assert.match(await page.locator("#notice .error").textContent(), /does not meet/);
 }
 
+/** The cut locus of a corner of an octahedron: the four edges at the opposite corner. */
+async function cutLocus(browser) {
+  const { url } = browser.settings;
+  await fetch(`${url}/v1/meshes/octahedron`, { method: "PUT", body: OCTAHEDRON });
+  const page = await browser.page("/#meshes=octahedron&mode=field&source=v:0&locus=true");
+  await settle(page);
+  const { lines } = await read(page, "last");
+  const length = lines.reduce((sum, line) => sum + line.length, 0);
+  assert.ok(Math.abs(length - 4 * Math.SQRT2) < 1e-12, `${length}`);
+  await page.locator("#download summary").click();
+  assert.ok(await page.getByRole("button", { name: "Download Cut locus OBJ" }).isVisible());
+  await browser.picture(page, "cut-locus");
+  await browser.ask("DELETE", "/v1/meshes/octahedron");
+}
+
 export const tests = {
   "a third click removes the answer": thirdClick,
   "a refusal removes the answer": refusal,
   "a drag beside the surface keeps the answer": missed,
   "a retry repeats the query": retries,
   "a field follows a drag without jobs": fieldDrag,
+  "the cut locus of a source": cutLocus,
 };

@@ -100,7 +100,7 @@ export class Settings {
       const condition = setting.while;
       if (condition)
         this.conditions.push(
-          () => (node.hidden = !condition.values.includes(this.text(condition.name))),
+          () => (node.hidden = !condition.values.includes(String(this.values.get(condition.name)))),
         );
       return node;
     });

@@ -1,15 +1,17 @@
-// The distances from one point to the whole surface: colours, isolines, the farthest point.
+// The distances from one point to the whole surface: colours, isolines, the farthest point, the cut
+// locus.
 
-import type { Field, IsolinesAnswer, ResultsAnswer } from "../../../js/types.d.ts";
+import type { CutLocusAnswer, Field, IsolinesAnswer, ResultsAnswer } from "../../../js/types.d.ts";
 import type { Fact } from "../answer.ts";
 import type { Bench } from "../bench.ts";
 import { daemonFile, type FileOffer } from "../files.ts";
 import { arraysOf, type Place, placeOf, pointOf } from "../place.ts";
-import { check, range, Settings } from "../settings.ts";
+import { check, only, range, Settings } from "../settings.ts";
 import { milliseconds, whole } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
 import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
 
+const degrees = (angle: number): string => `${angle}°`;
 // the page requests the field during a drag if the surface has at most this number of faces
 export const LIVE_FACES = 300000;
 /* isolines are exact polylines if the surface has at most this number of faces */
@@ -73,6 +75,8 @@ export class FieldMode extends Mode {
   override settings = new Settings({
     isolines: range("Lines of equal distance", 20, 0, 60, 1),
     farthest: check("The farthest point, and a path to it", false),
+    locus: check("Cut locus, where shortest paths meet", false),
+    angle: only("locus", ["true"], range("Paths meet at least at", 30, 1, 180, 1, degrees)),
   });
   private field: Field | undefined;
 
@@ -153,6 +157,22 @@ export class FieldMode extends Mode {
     await this.showIsolines(field);
     if (settings.on("farthest") && field.farthest)
       await this.showWay(source, placeOf(field.farthest, bench.surface!.isRenumbered));
+    if (settings.on("locus")) await this.showLocus(set);
+  }
+
+  /** The smallest angle, in radians, at which paths meet in the shown cut locus. */
+  private get angle(): number {
+    return (this.settings.number("angle") * Math.PI) / 180;
+  }
+
+  private async showLocus(set: object): Promise<void> {
+    const body = { set, min_angle: this.angle };
+    const { lines } = await this.bench.postLong<CutLocusAnswer>("cut-locus", body, {
+      parameters: XYZ,
+    });
+    if (this.bench.aborted) return;
+    const points = lines.map((line) => line.points as Vec3[]);
+    this.lines("locus", points, INK.second, 2.5, 0.15);
   }
 
   private showFastIsolines(): void {
@@ -188,9 +208,17 @@ export class FieldMode extends Mode {
   }
 
   override files(): FileOffer[] {
-    return this.field
-      ? fieldFiles(this.bench, this.field.id!, this.settings.number("isolines"))
-      : [];
+    const { bench, field, settings } = this;
+    if (!field) return [];
+    const files = fieldFiles(bench, field.id!, settings.number("isolines"));
+    if (!settings.on("locus")) return files;
+    const path = `${bench.surface!.path}/fields/${field.id}/cut-locus`;
+    const locus = ["obj", "csv", "glb"].map((format) => {
+      const query = { format, min_angle: String(this.angle) };
+      const label = `Cut locus ${format.toUpperCase()}`;
+      return daemonFile(bench, label, `cut-locus.${format}`, { method: "GET", path, query });
+    });
+    return [...files, ...locus];
   }
 
   override clear(): void {
