@@ -69,4 +69,8 @@ export function milliseconds(ms: number): string {
   return ms >= 1000 ? `${number(ms / 1000, 3)} s` : `${number(ms, ms < 10 ? 2 : 3)} ms`;
 }
 
-export const degrees = (radians: number): string => `${number((radians * 180) / Math.PI, 5)}°`;
+/** Formats an angle. Shows rounding errors as zero. */
+export function degrees(radians: number): string {
+  const angle = (radians * 180) / Math.PI;
+  return `${number(Math.abs(angle) < 1e-9 ? 0 : angle, 5)}°`;
+}

@@ -104,7 +104,7 @@ export class CutMode extends Mode {
           .map((piece, i) => ({ label: `Area of piece ${i + 1}`, value: units.area(piece.area!) })),
         this.time,
       ],
-      make("p", { class: "faint" }, `Cut stores them as ${this.names.join(", ")}.`),
+      make("p", { class: "faint" }, `"Cut" stores: ${this.names.join(", ")}.`),
     );
   }
 
