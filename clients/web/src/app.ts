@@ -16,7 +16,7 @@ import { allModes } from "./modes/index.ts";
 import type { Mode } from "./modes/mode.ts";
 import { type Place, snapped } from "./place.ts";
 import { messageOf, Notice } from "./notice.ts";
-import { Points, spot } from "./points.ts";
+import { Points, startPlace } from "./points.ts";
 import { SAMPLES, type Sample } from "./samples.ts";
 import { type Pixel, Scene } from "./scene.ts";
 import { State } from "./state.ts";
@@ -263,7 +263,8 @@ export class App {
     this.scene.show(surface);
     this.applyView(parameters);
     const isKept = this.mode.kind === surface.kind;
-    this.mode = mode ?? (isKept ? this.mode : this.modes.find(({ kind }) => kind === surface.kind)!);
+    const usual = isKept ? this.mode : this.modes.find(({ kind }) => kind === surface.kind)!;
+    this.mode = mode ?? usual;
     this.chooser.show(this.chooser.known, surface);
     this.chooser.expect(surface.kind);
     this.enterMode(parameters);
@@ -370,7 +371,7 @@ export class App {
 
   /**
    * Sets the points that the mode begins with: the points of the previous mode. If they
-   * are too few, points at fixed places of the picture are added (`spot`).
+   * are too few, points at fixed places of the picture are added (`startPlace`).
    */
   private setFirstPoints(before: Place[]): void {
     let next = before.length;
@@ -378,7 +379,7 @@ export class App {
       const count = group.first ?? group.least;
       const places = Array.from(
         { length: count },
-        () => before.shift() ?? spot(this.scene, next++),
+        () => before.shift() ?? startPlace(this.scene, next++),
       );
       this.points.set(
         group.id,

@@ -147,7 +147,7 @@ export class Backdrop {
   private fresh: "none" | "quick" | "fine" = "none";
 
   /** Drops the saved drawing; the next frame draws the surface again. */
-  spoil(): void {
+  invalidate(): void {
     this.fresh = "none";
   }
 

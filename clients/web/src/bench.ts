@@ -127,7 +127,8 @@ export class Bench {
     this.requests.push(request);
     const started = performance.now();
     const condition = { "If-Match": `"${this.surface!.description.etag}"` };
-    const response = await ask(await send({ ...request, headers: { ...request.headers, ...condition } }));
+    const headers = { ...request.headers, ...condition };
+    const response = await ask(await send({ ...request, headers }));
     this.elapsed = performance.now() - started;
     return response;
   }

@@ -1,5 +1,6 @@
 // Edits the mesh: simplifies it, fills its holes, smooths it, or keeps its largest component. The
-// result is a new mesh on the daemon. A slider splits the picture: the original on the left, the result on the right.
+// result is a new mesh on the daemon. A slider splits the picture: the original on the left, the
+// result on the right.
 
 import type { EditOperation, Mesh } from "../../js/types.d.ts";
 import type { App } from "./app.ts";

@@ -111,7 +111,7 @@ export class FaceMap {
   }
 
   /** Invalidates the pixels, for example after the camera has moved. */
-  spoil(): void {
+  invalidate(): void {
     this.isFresh = false;
   }
 

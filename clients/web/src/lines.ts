@@ -27,7 +27,7 @@ export interface LineStyle {
   hidden?: number;
 }
 
-/** Returns the two ends of each segment, one segment after the other. */
+/** Returns six numbers per segment of the polylines: the coordinates of its two ends. */
 function segmentsOf(polylines: Vec3[][]): Float32Array {
   const count = polylines.reduce((sum, line) => sum + Math.max(0, line.length - 1), 0);
   const ends = new Float32Array(6 * count);

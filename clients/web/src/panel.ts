@@ -38,7 +38,7 @@ export function buildAccess(api: Api, onChange: () => void): void {
     autocomplete: "off",
     value: api.key,
   });
-  const take = (event: SubmitEvent): void => {
+  const submit = (event: SubmitEvent): void => {
     event.preventDefault();
     api.key = input.value.trim();
     onChange();
@@ -49,7 +49,7 @@ export function buildAccess(api: Api, onChange: () => void): void {
     { for: "key" },
     "Sent with each request; forgotten when this tab closes",
   );
-  byId("access").append(make("form", { submit: take }, label, row));
+  byId("access").append(make("form", { submit }, label, row));
 }
 
 /** Makes the button that folds the panel on phones. */

@@ -26,12 +26,12 @@ export class Pieces {
     return this.skins.length > 0;
   }
 
-  /** Returns whether the pieces of this cut are shown. */
+  /** Returns whether the shown pieces are those of this cut. */
   isOf(key: string): boolean {
     return this.areShown && this.key === key;
   }
 
-  /** Loads the pieces and shows them instead of the surface; `key` identifies the cut. */
+  /** Loads the meshes of the pieces and shows them instead of the surface. `key` names the cut. */
   async show(names: string[], key: string): Promise<void> {
     const all = await Promise.all(names.map((name) => this.fetch(name)));
     this.clear();

@@ -14,7 +14,7 @@ const RADII = [0.3, 0.22, 0.14, 0.07, 0];
 /**
  * Returns the i-th point that a mode begins with, or null if the picture shows no surface there.
  */
-export function spot(scene: Scene, i: number): Place | null {
+export function startPlace(scene: Scene, i: number): Place | null {
   const { x, y } = scene.size;
   const angle = 2.4 + (2 * Math.PI * (i % RING)) / RING;
   for (const part of RADII) {

@@ -140,7 +140,7 @@ export class Scene {
     this.shadow.mesh.visible = false;
     /* the skin is not disposed, because three.js would drop the programs */
     this.ground.remove(skin.mesh);
-    this.backdrop.spoil();
+    this.backdrop.invalidate();
   }
 
   private makeControls(up: string): OrbitControls {
@@ -180,8 +180,8 @@ export class Scene {
 
   /** Requests a frame that draws the surface again. */
   redraw(): void {
-    this.backdrop.spoil();
-    this.faceMap?.spoil();
+    this.backdrop.invalidate();
+    this.faceMap?.invalidate();
     this.hasNewValues = false;
     this.draw();
   }
@@ -231,13 +231,13 @@ export class Scene {
   private scale(ratio: number): void {
     if (this.renderer.getPixelRatio() === ratio) return;
     this.renderer.setPixelRatio(ratio);
-    if (!this.backdrop.isFine) this.backdrop.spoil();
+    if (!this.backdrop.isFine) this.backdrop.invalidate();
   }
 
   /** Draws a frame. Composes a fine frame off the screen, where lines get smooth edges, too. */
   private drawNow(isFine: boolean): void {
     const { renderer } = this;
-    this.clip();
+    this.fitDepth();
     if (this.other) this.placeSplit();
     if (this.hasShadow && this.skin && !this.isShadowCast) this.castShadow();
     const pass = this.hasNewValues ? this.recoloured() : undefined;
@@ -256,7 +256,7 @@ export class Scene {
   private castShadow(): void {
     this.isShadowCast = true;
     this.shadow.cast(this.renderer, this.skin!.mesh, this.up as "y" | "z", this.lowest());
-    this.backdrop.spoil();
+    this.backdrop.invalidate();
   }
 
   /** Returns the least coordinate along the upward axis, in normalised coordinates. */
@@ -316,7 +316,7 @@ export class Scene {
     const { renderer, canvas } = this;
     clearTimeout(this.rest);
     renderer.setPixelRatio(factor * this.ratio);
-    this.backdrop.spoil();
+    this.backdrop.invalidate();
     this.drawNow(true);
     const file = new Promise<Blob>((resolve) =>
       canvas.toBlob((blob) => resolve(blob!), "image/png"),
@@ -327,7 +327,7 @@ export class Scene {
   }
 
   /** Fits the near and far planes to the surface, for a precise depth buffer. */
-  private clip(): void {
+  private fitDepth(): void {
     const distance = this.camera.position.length();
     this.camera.near = Math.max(0.002, (distance - 1.5) * 0.8);
     this.camera.far = distance + 3;

@@ -1,11 +1,11 @@
-// Shows memory and cache of the daemon, from /v1 and /metrics, while the panel is open.
+// Shows memory and cache of the daemon, from /v1 and /metrics, while its part of the panel is open.
 
 import type { Service } from "../../js/types.d.ts";
 import type { Api } from "./api.ts";
 import { byId, make } from "./dom.ts";
 import { bytes, number, whole } from "./units.ts";
 
-const EVERY = 2000; /* milliseconds between reads */
+const PERIOD = 2000; /* milliseconds between reads */
 
 const CLASSES: [string, string][] = [
   ["meshes", "Meshes"],
@@ -39,10 +39,10 @@ export class ServicePanel {
 
   constructor(private readonly api: Api) {
     this.node.append(this.body);
-    this.node.addEventListener("toggle", () => void this.look());
+    this.node.addEventListener("toggle", () => void this.refresh());
   }
 
-  private async look(): Promise<void> {
+  private async refresh(): Promise<void> {
     clearTimeout(this.timer);
     if (!this.node.open) return;
     try {
@@ -52,8 +52,8 @@ export class ServicePanel {
     } catch (error) {
       this.body.replaceChildren(make("p", { class: "faint" }, (error as Error).message));
     }
-    clearTimeout(this.timer); /* the panel may have been closed and opened meanwhile */
-    this.timer = setTimeout(() => void this.look(), EVERY);
+    clearTimeout(this.timer); /* a second refresh may have started meanwhile */
+    this.timer = setTimeout(() => void this.refresh(), PERIOD);
   }
 
   private show(service: Service, samples: Map<string, number>): void {

@@ -58,6 +58,7 @@ export const choice = (label: string, value: string, options: [string, string][]
   options,
 });
 
+/** Returns a setting that is shown only while the setting `name` has one of these values. */
 export const only = <S extends Setting>(name: string, values: string[], setting: S): S => ({
   ...setting,
   while: { name, values },

@@ -1,5 +1,5 @@
-// A soft shadow of the surface on the ground below it, as under a cloudy sky. It is computed once
-// for each surface and upward axis.
+// Draws a soft shadow of the surface on the ground. Computes its texture once for each surface and
+// upward axis: the height of the surface above the ground, blurred.
 
 import {
   DoubleSide,

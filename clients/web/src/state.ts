@@ -53,6 +53,7 @@ export class State {
     this.timer = setTimeout(() => this.flush(), DELAY);
   }
 
+  /** Writes a pending change at once. */
   flush(): void {
     if (!this.isPending) return;
     clearTimeout(this.timer);

@@ -55,7 +55,7 @@ export class CurvesMode extends Mode {
     });
     this.lines("path", [pointsOf(found.path)], INK.path, 4);
     this.path = found.path ? { length: found.distance!, points: pointsOf(found.path) } : null;
-    this.tell(found, lengths);
+    this.showAnswer(found, lengths);
   }
 
   /** Shows a curve and returns its length. */
@@ -69,7 +69,7 @@ export class CurvesMode extends Mode {
     return path!.length;
   }
 
-  private tell(found: CurveDistanceAnswer, [a, b]: number[]): void {
+  private showAnswer(found: CurveDistanceAnswer, [a, b]: number[]): void {
     const { answer, units } = this.bench;
     const value = (distance?: number | null): string =>
       distance == null ? NO_PATH.value : units.length(distance, 9);

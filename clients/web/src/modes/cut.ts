@@ -11,7 +11,7 @@ import { check, range, Settings } from "../settings.ts";
 import { type Surface, surfacePath } from "../surface.ts";
 import { whole } from "../units.ts";
 import { freeName } from "../uploads.ts";
-import { doing, INK, Mode, pointsOf, XYZ } from "./mode.ts";
+import { actionRow, INK, Mode, pointsOf, XYZ } from "./mode.ts";
 
 const FORMATS = ["obj", "ply", "stl"];
 
@@ -36,7 +36,7 @@ export class CutMode extends Mode {
   }
 
   override extras(): Node[] {
-    return [doing("Cut", () => void this.cut(), "main")];
+    return [actionRow("Cut", () => void this.cut(), "main")];
   }
 
   private get curve(): Curve {
@@ -74,7 +74,7 @@ export class CutMode extends Mode {
       { select: "separates,pieces" },
     );
     this.names = this.freeNames(preview.pieces!.length);
-    this.tell(preview, path!.length);
+    this.showAnswer(preview, path!.length);
   }
 
   /** Returns unused names for `count` pieces. */
@@ -88,7 +88,7 @@ export class CutMode extends Mode {
     });
   }
 
-  private tell(preview: CutAnswer, length: number): void {
+  private showAnswer(preview: CutAnswer, length: number): void {
     const { answer, units } = this.bench;
     const pieces = preview.pieces!;
     answer.show(

@@ -29,7 +29,7 @@ export const ENDS: Group[] = [
 ];
 
 /** Returns a row with a button, which is shown below the settings of a mode. */
-export const doing = (label: string, act: () => void, kind = ""): HTMLElement =>
+export const actionRow = (label: string, act: () => void, kind = ""): HTMLElement =>
   make("div", { class: "row extra" }, button(label, act, { class: kind }));
 
 /**

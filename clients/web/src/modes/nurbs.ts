@@ -38,7 +38,7 @@ export class NurbsMode extends Mode {
   readonly title = "NURBS";
   override readonly kind: Kind = "nurbs";
   readonly hint =
-    "A smooth parametric surface. Click two points, or ask for the way to a curve, or between two.";
+    "A smooth parametric surface. Click two points, or choose a path to a curve or between curves.";
   readonly groups = ENDS;
   override settings = new Settings({
     what: choice("The shortest path", "points", [
@@ -214,7 +214,7 @@ export class NurbsMode extends Mode {
         ...(found.warnings?.length
           ? [
               {
-                label: "Mind",
+                label: "Note",
                 value: found.warnings.map((warning) => WARNINGS[warning]).join("; "),
               },
             ]

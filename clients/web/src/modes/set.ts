@@ -25,7 +25,7 @@ import {
   LIVE_FACES,
   valuesOf,
 } from "./field.ts";
-import { doing, INK, Mode } from "./mode.ts";
+import { actionRow, INK, Mode } from "./mode.ts";
 
 /* borders of cells are drawn to this fraction of the surface's size, less than a pixel */
 const PRECISION = 4000;
@@ -62,7 +62,7 @@ export class SetMode extends Mode {
   }
 
   override extras(): Node[] {
-    return [doing("Spread points evenly", () => void this.spread())];
+    return [actionRow("Spread points evenly", () => void this.spread())];
   }
 
   /** Adds points by farthest-point sampling, from the first point of the set. */
@@ -110,6 +110,7 @@ export class SetMode extends Mode {
     const fine = live ? null : await bench.nearestOfSamples(this.set);
     const pieces = live || showsDistance ? [] : await this.pieces(voronoi);
     if (bench.aborted) return;
+    bench.last = voronoi; /* the answer that the page offers as a file */
     this.showCells(voronoi, fine?.labels ?? voronoi.labels!, fine !== null, places);
     const colours = pieces.map(({ label }) => (label === null ? PLAIN : memberColour(label)));
     if (pieces.length > 0) bench.scene.skin!.showPieces(pieces, colours);
