@@ -28,15 +28,29 @@ async function answersInSight(browser) {
   await browser.ask("DELETE", "/v1/meshes/ring");
 }
 
+/** Returns the distance, in pixels, of two points at the height of the camera's target. */
+const widthOf = (page) =>
+  page.evaluate(() => {
+    const [x, y, z] = window.geodesicd.state.camera.split(",").map(Number);
+    const size = Math.hypot(x, z);
+    const [a, b] = [-0.05, 0.05].map((part) =>
+      window.geodesicd.camera.project([(part * z) / size, 0.1, (-part * x) / size]),
+    );
+    return Math.hypot(a.x - b.x, a.y - b.y);
+  });
+
 async function sheet(browser) {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=field`, PHONE);
   await settle(page);
   assert.ok(!(await page.locator("#readout").isVisible()));
   const before = await page.locator("#canvas").boundingBox();
+  const width = await widthOf(page);
   await page.getByRole("button", { name: "Hide the controls" }).click();
   await settle(page);
   const after = await page.locator("#canvas").boundingBox();
   assert.ok(after.height > before.height + 200, `${before.height} pixels, folded ${after.height}`);
+  const ratio = (await widthOf(page)) / width;
+  assert.ok(Math.abs(ratio - 1) < 0.01, `the surface is ${ratio} times as wide`);
   const readout = await page.locator("#readout").boundingBox();
   for (const name of ["#toolbar", "#legend"])
     assert.ok(

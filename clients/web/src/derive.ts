@@ -134,6 +134,7 @@ export class Derive {
         button("Close", () => this.close()),
       ),
     );
+    this.result.scrollIntoView({ block: "nearest" });
   }
 
   private close(): void {

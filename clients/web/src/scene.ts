@@ -7,6 +7,7 @@ import {
   Group,
   HemisphereLight,
   LinearSRGBColorSpace,
+  MathUtils,
   PerspectiveCamera,
   Plane,
   Scene as ThreeScene,
@@ -32,7 +33,8 @@ export interface Pixel {
   y: number;
 }
 
-const FIELD_OF_VIEW = 35; /* degrees, vertical */
+/* radians; the angle that the camera sees along the shorter side of the picture */
+const FIELD_OF_VIEW = (35 * Math.PI) / 180;
 const MARGIN = 1.12; /* the camera shows the surface's bounding sphere enlarged by this factor */
 const REST = 500; /* milliseconds without a frame before the fine frame */
 /* number of drawn pixels for each pixel of the screen, in each direction, during a drag */
@@ -94,7 +96,7 @@ export class Scene {
   private readonly rightSide = new Plane();
   private hasShadow = true;
   private isShadowCast = false;
-  private readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
+  private readonly camera = new PerspectiveCamera(undefined, 1, 0.01, 100);
   private controls: OrbitControls;
   private wanted = false;
   /** Whether the page has shown a surface. Before that it draws no frame, to start faster. */
@@ -165,8 +167,14 @@ export class Scene {
     this.size = { x: width, y: height };
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
+    this.camera.fov = MathUtils.radToDeg(2 * Math.atan(this.tangent));
     this.camera.updateProjectionMatrix();
     this.redraw();
+  }
+
+  /** The tangent of half the vertical angle that the camera sees. */
+  private get tangent(): number {
+    return Math.tan(FIELD_OF_VIEW / 2) / Math.min(1, this.camera.aspect);
   }
 
   /** Sets the colour behind the surface. */
@@ -370,9 +378,7 @@ export class Scene {
 
   /** Moves the camera so that the surface fills the picture, seen from slightly above. */
   fit(): void {
-    const angle = ((FIELD_OF_VIEW / 2) * Math.PI) / 180;
-    const narrow = Math.atan(Math.tan(angle) * Math.min(1, this.camera.aspect));
-    const distance = MARGIN / Math.sin(narrow);
+    const distance = MARGIN / Math.sin(FIELD_OF_VIEW / 2);
     const up = this.up === "y";
     const from: Vec3 = unit(up ? [0.5, 0.42, 1] : [0.5, -1, 0.42]);
     this.camera.position.set(...scale(from, distance));
@@ -408,7 +414,7 @@ export class Scene {
     const [side, upwards, back] = [new Vector3(), new Vector3(), new Vector3()];
     this.camera.matrixWorld.extractBasis(side, upwards, back);
     const distance = this.camera.position.distanceTo(this.controls.target);
-    const height = 2 * distance * Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
+    const height = 2 * distance * this.tangent;
     const step = side.multiplyScalar(-right * height).addScaledVector(upwards, -up * height);
     this.camera.position.add(step);
     this.controls.target.add(step);
