@@ -228,6 +228,25 @@ async function cells({ settings }) {
   }
 }
 
+/** A simplified polyline stays within the tolerance, and a straight one keeps only its ends. */
+async function simplification({ settings }) {
+  const { simplified } = await load(settings, "simplified");
+  const own = (point) => point;
+  const straight = Array.from({ length: 9 }, (_, i) => [i, 2 * i, 0]);
+  assert.deepEqual(simplified(straight, own, 1e-12), [straight[0], straight[8]]);
+  for (const short of [[], [[1, 2, 3]], straight.slice(0, 2)]) assert.deepEqual(simplified(short, own, 1), short);
+  const circle = Array.from({ length: 1001 }, (_, i) => [Math.cos((Math.PI * i) / 500), Math.sin((Math.PI * i) / 500), 0]);
+  circle[1000] = circle[0];
+  const kept = simplified(circle, own, 0.01);
+  assert.ok(kept.length > 20 && kept.length < 60, `${kept.length} points`);
+  for (let i = 0; i + 1 < kept.length; i++) {
+    const middle = [0, 1].map((axis) => (kept[i][axis] + kept[i + 1][axis]) / 2);
+    assert.ok(1 - Math.hypot(...middle) <= 0.01);
+  }
+  const long = Array.from({ length: 50000 }, (_, i) => [i, 1.0001 ** i, 0]);
+  assert.ok(simplified(long, own, 0).length > 10000);
+}
+
 /** Lines in each format, read back. */
 async function lineFiles({ settings }) {
   const { objOf, csvOf, glbOf } = await load(settings, "files");
@@ -274,6 +293,7 @@ export const tests = {
   "sharp edges split normals": creases,
   "lines as files": lineFiles,
   "faces are split at bisectors": cells,
+  "polylines without points that no pixel shows": simplification,
   "names of uploads": names,
   "colour maps": maps,
   "rays hit the triangles that a test of all finds": rays,

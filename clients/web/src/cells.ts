@@ -1,7 +1,8 @@
 // Splits the faces that bisectors cross, so that each piece lies in one Voronoi cell.
 
 import type { PathPoint } from "../../js/types.d.ts";
-import { cross, length, subtract, unit, type Vec3 } from "./vector.ts";
+import { simplified } from "./simplified.ts";
+import type { Vec3 } from "./vector.ts";
 
 /** A convex part of a face, as barycentric coordinates of its corners. */
 export interface Piece {
@@ -58,23 +59,6 @@ function partsOf(line: PathPoint[]): PathPoint[][] {
   return parts;
 }
 
-/** Leaves out points that are nearer than `tolerance` to the polyline of the others. */
-function simplified(line: PathPoint[], tolerance: number): PathPoint[] {
-  if (line.length < 3) return line;
-  const from = line[0]!.xyz as Vec3;
-  const along = unit(subtract(line.at(-1)!.xyz as Vec3, from));
-  const isLoop = length(along) === 0;
-  const offsets = line.slice(1, -1).map(({ xyz }) => {
-    const offset = subtract(xyz as Vec3, from);
-    return length(isLoop ? offset : cross(along, offset));
-  });
-  const largest = Math.max(...offsets);
-  if (largest <= tolerance) return [line[0]!, line.at(-1)!];
-  const most = 1 + offsets.indexOf(largest);
-  const [before, after] = [line.slice(0, most + 1), line.slice(most)];
-  return [...simplified(before, tolerance), ...simplified(after, tolerance).slice(1)];
-}
-
 /** Returns the segments of polylines by face. Leaves out segments along edges. */
 function segmentsOf(
   faces: Uint32Array,
@@ -88,7 +72,8 @@ function segmentsOf(
     const face = part.find((point) => point.face !== undefined)?.face ?? between.get(key);
     if (face === undefined) continue;
     const corners = faces.subarray(3 * face, 3 * face + 3);
-    const weights = simplified(part, tolerance).map((point) => weightsOf(point, corners));
+    const kept = simplified(part, ({ xyz }) => xyz as Vec3, tolerance);
+    const weights = kept.map((point) => weightsOf(point, corners));
     const own = weights.slice(1).map((to, i): Segment => [weights[i]!, to]);
     segments.set(face, [...(segments.get(face) ?? []), ...own]);
   }

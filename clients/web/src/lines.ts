@@ -11,6 +11,7 @@ import {
   type ColorRepresentation,
 } from "three";
 import { encode } from "./passes.ts";
+import { simplified } from "./simplified.ts";
 import type { Vec3 } from "./vector.ts";
 
 /**
@@ -18,6 +19,8 @@ import type { Vec3 } from "./vector.ts";
  * approximate the surface would hide lines on the exact surface.
  */
 const LIFT = 12000;
+/* drawn lines leave out points that are at most this far away, less than a pixel at any zoom */
+const TOLERANCE = 1e-5;
 const PREVIEW_LIFT = 4 * LIFT; /* a preview deviates more from the exact surface */
 
 export interface LineStyle {
@@ -78,7 +81,8 @@ export class Lines {
   /** Shows polylines in normalised coordinates. Replaces the polylines with the same name. */
   set(name: string, polylines: Vec3[][], style: LineStyle): void {
     this.remove(name);
-    const ends = segmentsOf(polylines);
+    const drawn = polylines.map((line) => simplified(line, (point) => point, TOLERANCE));
+    const ends = segmentsOf(drawn);
     if (ends.length === 0) return;
     const geometry = new LineSegmentsGeometry().setPositions(ends);
     const objects = [false, true]
