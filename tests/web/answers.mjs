@@ -132,7 +132,7 @@ async function cutLocus(browser) {
   const length = lines.reduce((sum, line) => sum + line.length, 0);
   assert.ok(Math.abs(length - 4 * Math.SQRT2) < 1e-12, `${length}`);
   await page.locator("#download summary").click();
-  assert.ok(await page.getByRole("button", { name: "Download Cut locus OBJ" }).isVisible());
+  await page.getByRole("button", { name: "Download Cut locus OBJ" }).waitFor();
   await browser.picture(page, "cut-locus");
   await browser.ask("DELETE", "/v1/meshes/octahedron");
 }
