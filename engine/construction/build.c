@@ -57,6 +57,9 @@ static void free_scratch(struct gd__construction *work)
     free(work->corner);
     free(work->neighbour);
     free(work->component);
+    free(work->any_corner);
+    free(work->measure);
+    free(work->edge_length);
 }
 
 enum gd_status gd_mesh_build(const struct gd_polygons *polygons,

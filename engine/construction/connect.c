@@ -1,7 +1,9 @@
 /* Finds the faces that share an edge. Rejects edges of more than two faces, and duplicate faces. */
+#include <stdatomic.h>
 #include <stdlib.h>
 
 #include "base/large.h"
+#include "base/slices.h"
 #include "construction/steps.h"
 #include "mesh/edge_table.h"
 #include "construction/offenders.h"
@@ -24,6 +26,14 @@ static void add_duplicate(const struct gd__construction *work, uint32_t f, uint3
 {
     uint32_t a = gd__input_polygon(work->mesh, f), b = gd__input_polygon(work->mesh, g);
     gd__offenders_add(&findings->duplicates, a > b ? a : b, 0, a > b ? b : a);
+}
+
+/* Returns true if the two faces of an edge have the same vertices, unless another of their edges
+ * has lower vertices. */
+static bool is_duplicate(const struct gd__construction *work, const struct gd__edge_use pair[2])
+{
+    uint32_t apex = opposite_corner(work, pair[0].side);
+    return apex > pair[0].high && apex == opposite_corner(work, pair[1].side);
 }
 
 static int compare_apices(const void *x, const void *y)
@@ -62,30 +72,43 @@ static enum gd_status note_crowded(const struct gd__construction *work,
     return find_duplicates(work, table->use + run->begin, run->count, findings);
 }
 
-static void join_pair(struct gd__construction *work, const struct gd__edge_use pair[2],
-                      struct findings *findings)
-{
-    uint32_t apex = opposite_corner(work, pair[0].side);
-    if (apex > pair[0].high && apex == opposite_corner(work, pair[1].side))
-        add_duplicate(work, pair[0].side / 3, pair[1].side / 3, findings);
-    work->neighbour[pair[0].side] = pair[1].side;
-    work->neighbour[pair[1].side] = pair[0].side;
-}
-
-static enum gd_status join_all(struct gd__construction *work, const struct gd__edge_table *table,
-                               struct findings *findings)
+/* Finds duplicate faces and edges of more than two faces. */
+static enum gd_status find_offenders(struct gd__construction *work,
+                                     const struct gd__edge_table *table, struct findings *findings)
 {
     enum gd_status status = GD_OK;
     for (struct gd__edge_run run = {0};
          !status && gd__pace(&work->pace, 1) && gd__edge_table_next(table, &run);) {
-        if (run.count == 1)
-            work->neighbour[table->use[run.begin].side] = GD_NONE;
-        else if (run.count == 2)
-            join_pair(work, table->use + run.begin, findings);
-        else
+        const struct gd__edge_use *use = table->use + run.begin;
+        if (run.count == 2 && is_duplicate(work, use))
+            add_duplicate(work, use[0].side / 3, use[1].side / 3, findings);
+        else if (run.count > 2)
             status = note_crowded(work, table, &run, findings);
     }
     return status;
+}
+
+struct joining {
+    struct gd__construction *work;
+    const struct gd__edge_table *table;
+    atomic_bool has_offenders;
+};
+
+/* Joins the sides of the edges whose lower vertex is in the slice. */
+static void join_slice(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    struct joining *joining = context;
+    const struct gd__edge_table *table = joining->table;
+    uint32_t *neighbour = joining->work->neighbour;
+    bool has_offenders = false;
+    struct gd__edge_run run = {.low = begin, .begin = table->first[begin]};
+    while (gd__pace(pace, 1) && gd__edge_table_next(table, &run) && run.low < end) {
+        const struct gd__edge_use *use = table->use + run.begin;
+        neighbour[use[0].side] = run.count == 2 ? use[1].side : GD_NONE;
+        if (run.count == 2) neighbour[use[1].side] = use[0].side;
+        has_offenders |= run.count > 2 || (run.count == 2 && is_duplicate(joining->work, use));
+    }
+    if (has_offenders) atomic_store_explicit(&joining->has_offenders, true, memory_order_relaxed);
 }
 
 static enum gd_status refuse_duplicates(const struct gd__construction *work,
@@ -136,7 +159,9 @@ enum gd_status gd__connect(struct gd__construction *work)
     enum gd_status status =
         gd__edge_table_create((const uint32_t(*)[3])work->corner, mesh->face_count,
                               mesh->vertex_count, &work->pace, &table);
-    if (!status) status = join_all(work, &table, &findings);
+    struct joining joining = {.work = work, .table = &table};
+    if (!status) gd__slices_run(&work->pace, mesh->vertex_count, join_slice, &joining);
+    if (!status && joining.has_offenders) status = find_offenders(work, &table, &findings);
     if (!status && findings.duplicates.total)
         status = refuse_duplicates(work, &findings.duplicates);
     else if (!status && findings.crowded.total)

@@ -1,28 +1,60 @@
 /* Chooses the normalised unit: an exact power of two near the mean edge length, so that no square
  * overflows or underflows. */
+#include <stdlib.h>
+
+#include "base/slices.h"
 #include "construction/steps.h"
 
 struct edge_range {
     double min, mean, max; /* in the unit of `scale` */
 };
 
-static struct edge_range measure_edges(struct gd__construction *work, double scale)
+struct edge_measuring {
+    const struct gd__construction *work;
+    double scale;
+    struct edge_range *slices; /* one for each slice of faces; `mean` is the sum */
+};
+
+static void measure_slice(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
 {
-    struct edge_range range = {.min = INFINITY};
+    const struct edge_measuring *measuring = context;
+    const struct gd__construction *work = measuring->work;
     const struct gd_mesh *mesh = work->mesh;
-    GD__PACED (&work->pace, f, mesh->face_count) {
+    struct edge_range range = {.min = INFINITY};
+    (void)pace;
+    for (uint32_t f = begin; f < end; f++) {
+        struct gd_vec3 p[3];
+        for (uint32_t k = 0; k < 3; k++)
+            p[k] = mesh->input_position[mesh->index_of_vertex[work->corner[f][k]]];
         for (uint32_t k = 0; k < 3; k++) {
-            struct gd_vec3 a = mesh->input_position[mesh->index_of_vertex[work->corner[f][k]]];
-            struct gd_vec3 b =
-                mesh->input_position[mesh->index_of_vertex[work->corner[f][gd__next_corner(k)]]];
-            double length = gd_vec3_length(gd_vec3_scale(gd_vec3_sub(b, a), scale));
-            range.min = fmin(range.min, length);
-            range.max = fmax(range.max, length);
+            struct gd_vec3 edge = gd_vec3_sub(p[gd__next_corner(k)], p[k]);
+            double length = gd_vec3_length(gd_vec3_scale(edge, measuring->scale));
+            if (length < range.min) range.min = length;
+            if (length > range.max) range.max = length;
             range.mean += length;
         }
     }
-    range.mean /= 3.0 * mesh->face_count;
-    return range;
+    measuring->slices[begin / GD__PACE_STEPS] = range;
+}
+
+/* The sums of slices are added in order, so that the mean does not depend on the threads. */
+static enum gd_status measure_edges(struct gd__construction *work, double scale,
+                                    struct edge_range *out)
+{
+    uint32_t faces = work->mesh->face_count, count = (faces - 1) / GD__PACE_STEPS + 1;
+    struct edge_measuring measuring = {work, scale, calloc(count, sizeof *measuring.slices)};
+    if (!measuring.slices) return GD_NO_MEMORY;
+    gd__slices_run(&work->pace, faces, measure_slice, &measuring);
+    struct edge_range range = {.min = INFINITY};
+    for (uint32_t i = 0; i < count; i++) {
+        range.min = fmin(range.min, measuring.slices[i].min);
+        range.max = fmax(range.max, measuring.slices[i].max);
+        range.mean += measuring.slices[i].mean;
+    }
+    range.mean /= 3.0 * faces;
+    free(measuring.slices);
+    *out = range;
+    return work->pace.status;
 }
 
 /* Returns the largest absolute coordinate of the bounding box. */
@@ -54,7 +86,9 @@ enum gd_status gd__scale(struct gd__construction *work)
                        extent, 1 / GD_EXTENT_MAX, GD_EXTENT_MAX);
     int exponent, finer;
     frexp(extent, &exponent);
-    struct edge_range range = measure_edges(work, ldexp(1, -exponent));
+    struct edge_range range;
+    enum gd_status status = measure_edges(work, ldexp(1, -exponent), &range);
+    if (status) return status;
     frexp(range.mean, &finer);
     double mean = ldexp(1, finer),
            coordinate = ldexp(farthest_coordinate(&mesh->summary), -exponent) / mean;

@@ -1,5 +1,10 @@
 /* Builds the sides of the edges: their numbers from the faces' neighbours, their frames from the
  * positions of the corners. */
+#include <math.h>
+#include <stdatomic.h>
+
+#include "base/large.h"
+#include "base/slices.h"
 #include "construction/steps.h"
 #include "construction/offenders.h"
 #include "mesh/triangle.h"
@@ -27,11 +32,13 @@ static void frame_side(const struct gd__triangle *t, uint32_t k, struct gd_side 
     side->right_y = -t->double_area * right_scale;
 }
 
-static void make_face(struct gd__construction *work, uint32_t face, struct gd__offenders *flat)
+/* Makes the sides of a face and stores its measures. Each side is written by one face only. */
+static struct gd__triangle make_face(struct gd__construction *work, uint32_t face)
 {
     struct gd_mesh *mesh = work->mesh;
     const uint32_t *h = mesh->face_side[face];
     struct gd__triangle t = sides_measure(mesh, work->corner[face]);
+    double shortest = HUGE_VAL;
     for (uint32_t k = 0; k < 3; k++) {
         struct gd_side *side = &mesh->side[h[k]];
         frame_side(&t, k, side);
@@ -40,11 +47,30 @@ static void make_face(struct gd__construction *work, uint32_t face, struct gd__o
         if (mesh->side_face[h[k] ^ 1] == GD_NONE)
             mesh->side[h[k] ^ 1] =
                 (struct gd_side){.length = side->length, .left = GD_NONE, .right = GD_NONE};
+        if (h[k] % 2 == 0) work->edge_length[h[k] / 2] = side->length;
+        if (side->length < shortest) shortest = side->length;
     }
-    mesh->summary.area += t.double_area / 2;
-    mesh->summary.degenerate_faces += gd__triangle_flatness(&t) < GD_TOL_CAP;
-    if (gd__triangle_flatness(&t) < GD_TOL_FLAT)
-        gd__offenders_add(flat, gd__input_polygon(mesh, face), 0, face);
+    work->measure[face] = (struct gd__face_measure){t.double_area, shortest};
+    return t;
+}
+
+struct face_making {
+    struct gd__construction *work;
+    atomic_uint degenerate, flat; /* numbers of faces */
+};
+
+static void make_faces(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    struct face_making *making = context;
+    unsigned degenerate = 0, flat = 0;
+    (void)pace;
+    for (uint32_t f = begin; f < end; f++) {
+        struct gd__triangle t = make_face(making->work, f);
+        degenerate += gd__triangle_flatness(&t) < GD_TOL_CAP;
+        flat += gd__triangle_flatness(&t) < GD_TOL_FLAT;
+    }
+    atomic_fetch_add(&making->degenerate, degenerate);
+    atomic_fetch_add(&making->flat, flat);
 }
 
 /* Counts the edges. The lower-numbered face of edge e has side 2e. The other face, if there is one,
@@ -79,6 +105,15 @@ static uint32_t named(const struct gd_mesh *mesh, uint32_t vertex)
     return gd_mesh_original(mesh, (struct gd_vertex){mesh->index_of_vertex[vertex]}).index;
 }
 
+static void find_flat_faces(struct gd__construction *work, struct gd__offenders *flat)
+{
+    GD__PACED (&work->pace, f, work->mesh->face_count) {
+        struct gd__triangle t = sides_measure(work->mesh, work->corner[f]);
+        if (gd__triangle_flatness(&t) < GD_TOL_FLAT)
+            gd__offenders_add(flat, gd__input_polygon(work->mesh, f), 0, f);
+    }
+}
+
 static enum gd_status refuse_flat_faces(const struct gd__construction *work,
                                         const struct gd__offenders *flat)
 {
@@ -103,11 +138,21 @@ enum gd_status gd__make_sides(struct gd__construction *work)
     mesh->side_face = gd__mesh_array(mesh, sides, sizeof *mesh->side_face);
     mesh->side = gd__mesh_sides(mesh, sides);
     mesh->face_side = gd__mesh_array(mesh, mesh->face_count, sizeof *mesh->face_side);
-    if (!mesh->origin || !mesh->side_face || !mesh->side || !mesh->face_side) return GD_NO_MEMORY;
+    work->measure = gd__large_array(mesh->face_count, sizeof *work->measure);
+    work->edge_length = gd__large_array(mesh->edge_count, sizeof *work->edge_length);
+    if (!mesh->origin || !mesh->side_face || !mesh->side || !mesh->face_side || !work->measure ||
+        !work->edge_length)
+        return GD_NO_MEMORY;
     number_sides(work);
+    struct face_making making = {.work = work};
+    gd__slices_run(&work->pace, mesh->face_count, make_faces, &making);
     struct gd__offenders flat = {0};
-    GD__PACED (&work->pace, f, mesh->face_count) make_face(work, f, &flat);
+    if (making.flat) find_flat_faces(work, &flat);
     if (flat.total) return refuse_flat_faces(work, &flat);
+    mesh->summary.degenerate_faces = making.degenerate;
+    /* the order of the sum must not depend on the threads */
+    GD__PACED (&work->pace, f, mesh->face_count)
+        mesh->summary.area += work->measure[f].double_area / 2;
     mesh->summary.area *= mesh->unit * mesh->unit;
     return GD_OK;
 }

@@ -24,11 +24,8 @@ static enum gd_status count_components(struct gd__construction *work)
     if (!mesh->component) return GD_NO_MEMORY;
     GD__PACED (&work->pace, f, mesh->face_count) {
         struct gd_component *component = &mesh->component[work->component[f]];
-        double shortest = HUGE_VAL;
-        for (int k = 0; k < 3; k++)
-            shortest = fmin(shortest, mesh->side[mesh->face_side[f][k]].length);
         component->faces++;
-        component->grain += shortest;
+        component->grain += work->measure[f].shortest_edge;
     }
     GD__PACED (&work->pace, v, mesh->vertex_count)
         mesh->component[mesh->vertex_component[v]].vertices++;
@@ -96,9 +93,9 @@ static void measure_edges(struct gd__construction *work)
     struct gd_mesh *mesh = work->mesh;
     double least = INFINITY, most = 0, sum = 0;
     GD__PACED (&work->pace, e, mesh->edge_count) {
-        double length = mesh->side[2 * e].length;
-        least = fmin(least, length);
-        most = fmax(most, length);
+        double length = work->edge_length[e];
+        if (length < least) least = length;
+        if (length > most) most = length;
         sum += length;
     }
     mesh->summary.edge_length.min = least * mesh->unit;

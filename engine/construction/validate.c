@@ -1,8 +1,10 @@
 /* Checks single polygons: indices, coordinates, repeated corners, edges of length zero. */
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/large.h"
+#include "base/slices.h"
 #include "construction/steps.h"
 #include "construction/offenders.h"
 
@@ -173,8 +175,36 @@ enum gd_status gd__validate(struct gd__construction *work)
     return status;
 }
 
+struct triangle_check {
+    const struct gd_polygons *polygons;
+    atomic_bool has_offenders;
+};
+
+/* Finds edges of length zero. A triangle that repeats a corner has one. */
+static void check_triangles(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    struct triangle_check *check = context;
+    const double(*positions)[3] = (const double(*)[3])check->polygons->positions;
+    bool has_offenders = false;
+    (void)pace;
+    for (uint32_t i = begin; i < end; i++) {
+        const uint32_t *corner = check->polygons->corners + 3 * (size_t)i;
+        const double *p = positions[corner[0]], *q = positions[corner[1]],
+                     *r = positions[corner[2]];
+        has_offenders |= (p[0] == q[0] && p[1] == q[1] && p[2] == q[2]) ||
+                         (q[0] == r[0] && q[1] == r[1] && q[2] == r[2]) ||
+                         (r[0] == p[0] && r[1] == p[1] && r[2] == p[2]);
+    }
+    if (has_offenders) atomic_store_explicit(&check->has_offenders, true, memory_order_relaxed);
+}
+
 enum gd_status gd__validate_corners(struct gd__construction *work)
 {
+    if (!work->polygons->first) {
+        struct triangle_check check = {.polygons = work->polygons};
+        gd__slices_run(&work->pace, work->polygons->polygon_count, check_triangles, &check);
+        if (!check.has_offenders) return GD_OK;
+    }
     enum gd_status status = check_repeated_corners(work);
     if (!status) status = check_edge_lengths(work);
     return status;

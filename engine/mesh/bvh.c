@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "base/slices.h"
 #include "mesh/construction.h"
 #include "mesh/closest_point.h"
 
@@ -48,16 +49,16 @@ static uint32_t plan_levels(struct gd_bvh *bvh, uint32_t face_count)
     }
 }
 
-static void fill_leaves(struct gd__construction *work)
+static void fill_leaves(void *context, struct gd__pace *pace, uint32_t first, uint32_t last)
 {
-    const struct gd_mesh *mesh = work->mesh;
-    struct gd_bvh *bvh = mesh->bvh;
-    GD__PACED (&work->pace, i, bvh->level_count[0]) {
+    const struct gd_mesh *mesh = context;
+    (void)pace;
+    for (uint32_t i = first; i < last; i++) {
         uint32_t begin = i * GD_BVH_LEAF, end = begin + GD_BVH_LEAF;
         if (end > mesh->face_count) end = mesh->face_count;
-        bvh->box[i] = box_of_face(mesh, begin);
-        for (uint32_t f = begin + 1; f < end; f++)
-            bvh->box[i] = bvh_join(bvh->box[i], box_of_face(mesh, f));
+        struct gd__box box = box_of_face(mesh, begin);
+        for (uint32_t f = begin + 1; f < end; f++) box = bvh_join(box, box_of_face(mesh, f));
+        mesh->bvh->box[i] = box;
     }
 }
 
@@ -82,7 +83,7 @@ enum gd_status gd__make_bvh(struct gd__construction *work)
     uint32_t boxes = plan_levels(mesh->bvh, mesh->face_count);
     mesh->bvh->box = gd__mesh_array(mesh, boxes, sizeof *mesh->bvh->box);
     if (!mesh->bvh->box) return GD_NO_MEMORY;
-    fill_leaves(work);
+    gd__slices_run(&work->pace, mesh->bvh->level_count[0], fill_leaves, mesh);
     for (uint32_t level = 1; level < mesh->bvh->levels; level++) fill_level(work, level);
     return GD_OK;
 }

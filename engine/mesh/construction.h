@@ -17,6 +17,11 @@
 /* Largest number of faces: the three sides of each face have 32-bit numbers. */
 #define GD_MESH_MAX_FACES (1u << 30)
 
+/* In the normalised unit. */
+struct gd__face_measure {
+    double double_area, shortest_edge;
+};
+
 struct gd__construction {
     const struct gd_polygons *input;    /* borrowed */
     const struct gd_polygons *polygons; /* input of the next steps: `input` or &`merged` */
@@ -43,6 +48,9 @@ struct gd__construction {
     uint32_t *neighbour;
     uint32_t *component; /* for each face, number of its component */
     uint32_t component_count;
+    uint32_t *any_corner;             /* for each vertex, the lowest 3 f + k of its corners */
+    struct gd__face_measure *measure; /* for each face */
+    double *edge_length;              /* for each edge; normalised unit */
 
     /* Progress of the build before and after the current step. */
     double progress, progress_end;

@@ -1,5 +1,6 @@
 /* Sorts the sides into buckets by their lower vertex, and each bucket by the higher vertex. */
 #include "base/large.h"
+#include "base/slices.h"
 #include "mesh/edge_table.h"
 
 #include <stdlib.h>
@@ -34,6 +35,14 @@ static void sort_bucket(struct gd__edge_use *use, uint32_t count)
     }
 }
 
+static void sort_buckets(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    const struct gd__edge_table *table = context;
+    (void)pace;
+    for (uint32_t v = begin; v < end; v++)
+        sort_bucket(table->use + table->first[v], table->first[v + 1] - table->first[v]);
+}
+
 static void edge_table_fill(const uint32_t (*corner)[3], uint32_t side_count, struct gd__pace *pace,
                             struct gd__edge_table *table)
 {
@@ -53,8 +62,7 @@ static void edge_table_fill(const uint32_t (*corner)[3], uint32_t side_count, st
         table->first[v] = table->first[v - 1];
     }
     table->first[0] = 0;
-    GD__PACED (pace, v, vertex_count)
-        sort_bucket(table->use + table->first[v], table->first[v + 1] - table->first[v]);
+    gd__slices_run(pace, vertex_count, sort_buckets, table);
 }
 
 enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count,

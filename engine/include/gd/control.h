@@ -25,8 +25,8 @@ struct gd_control {
     bool (*progress)(void *user, double fraction);
     void *user;
     struct gd_workspace *workspace; /* memory reused between calls, gd/workspace.h; may be NULL */
-    /* Threads for parallel functions: gd_field_build, gd_field_resume and functions that call them.
-       NULL means only the calling thread. */
+    /* Threads for parallel functions: gd_read_polygons, gd_mesh_build, gd_field_build,
+       gd_field_resume and functions that call them. NULL means only the calling thread. */
     const struct gd_executor *executor;
 };
 

@@ -4,6 +4,8 @@
 
 #include "tests/samples/samples.h"
 #include "tests/support/test.h"
+#include "tests/support/two_threads.h"
+#include "mesh/bvh.h"
 
 static void a_budget_below_the_cost_is_refused(void **state)
 {
@@ -173,6 +175,99 @@ static void a_deadline_in_the_past_stops_the_build(void **state)
     assert_null(mesh);
 }
 
+/* --- two threads ------------------------------------------------------------------------------ */
+
+static enum gd_status build_on_two(const struct gd_polygons *polygons, struct gd_mesh **mesh,
+                                   struct gd_detail *detail)
+{
+    const struct gd_control control = {.executor = &two_threads};
+    return gd_mesh_build(polygons, NULL, &control, mesh, detail);
+}
+
+static void check_same_mesh(const struct gd_mesh *a, const struct gd_mesh *b)
+{
+    size_t faces = a->face_count, vertices = a->vertex_count, edges = a->edge_count;
+    assert_int_equal(faces, b->face_count);
+    assert_int_equal(edges, b->edge_count);
+    assert_memory_equal(&a->summary, &b->summary, sizeof a->summary);
+    assert_memory_equal(a->side, b->side, 2 * edges * sizeof *a->side);
+    assert_memory_equal(a->origin, b->origin, 2 * edges * sizeof *a->origin);
+    assert_memory_equal(a->side_fan, b->side_fan, 2 * edges * sizeof *a->side_fan);
+    assert_memory_equal(a->face_side, b->face_side, faces * sizeof *a->face_side);
+    assert_memory_equal(a->fan, b->fan, 3 * faces * sizeof *a->fan);
+    assert_memory_equal(a->beyond, b->beyond, 3 * faces * sizeof *a->beyond);
+    assert_memory_equal(a->fan_first, b->fan_first, (vertices + 1) * sizeof *a->fan_first);
+    assert_memory_equal(a->position, b->position, vertices * sizeof *a->position);
+    assert_memory_equal(a->total_angle, b->total_angle, vertices * sizeof *a->total_angle);
+    assert_memory_equal(a->vertex_kind, b->vertex_kind, vertices * sizeof *a->vertex_kind);
+    assert_memory_equal(a->component, b->component, a->summary.components * sizeof *a->component);
+    assert_memory_equal(a->bvh->box, b->bvh->box, a->bvh->level_count[0] * sizeof *a->bvh->box);
+}
+
+/* Two threads build the same mesh as one, to the last bit. Half of the faces are flipped. */
+static void two_threads_build_the_same(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    assert_int_equal(sample_icosphere(6, 1, &polygons), GD_OK);
+    for (uint32_t f = 0; f < polygons.polygon_count; f += 2) {
+        uint32_t *corner = polygons.corners + 3 * (size_t)f, kept = corner[1];
+        corner[1] = corner[2];
+        corner[2] = kept;
+    }
+    struct gd_mesh *one = build(&polygons), *two = NULL;
+    assert_int_equal(build_on_two(&polygons, &two, NULL), GD_OK);
+    check_same_mesh(one, two);
+    gd_mesh_release(one);
+    gd_mesh_release(two);
+    gd_polygons_free(&polygons);
+}
+
+/* Appends a vertex in the middle of the edge between two vertices. Returns its number. */
+static uint32_t add_middle(struct gd_polygons *polygons, uint32_t a, uint32_t b)
+{
+    for (int k = 0; k < 3; k++)
+        polygons->positions[polygons->position_count][k] =
+            (polygons->positions[a][k] + polygons->positions[b][k]) / 2;
+    return polygons->position_count++;
+}
+
+/* Two threads report the same offending elements as one. */
+static void two_threads_refuse_the_same(void **state)
+{
+    (void)state;
+    enum { REPEATED, DUPLICATE, CROWDED, FLAT, BOW_TIE, DEFECTS };
+    static const enum gd_status expected[DEFECTS] = {GD_DEGENERATE_FACE, GD_DUPLICATE_FACE,
+                                                     GD_NON_MANIFOLD_EDGE, GD_DEGENERATE_FACE,
+                                                     GD_NON_MANIFOLD_VERTEX};
+    for (int defect = 0; defect < DEFECTS; defect++) {
+        struct gd_polygons polygons;
+        struct gd_mesh *mesh = NULL;
+        struct gd_detail one = {0}, two = {0};
+        assert_int_equal(sample_icosphere(5, 1, &polygons), GD_OK);
+        size_t corners = 3 * (size_t)polygons.polygon_count, vertices = polygons.position_count;
+        polygons.corners = realloc(polygons.corners, (corners + 3) * sizeof *polygons.corners);
+        polygons.positions =
+            realloc(polygons.positions, (vertices + 2) * sizeof *polygons.positions);
+        uint32_t *last = polygons.corners + corners, *first = polygons.corners;
+        memcpy(last, first, 3 * sizeof *last);
+        if (defect == REPEATED) last[1] = last[0];
+        if (defect == CROWDED || defect == FLAT || defect == BOW_TIE)
+            last[2] = add_middle(&polygons, last[0], last[1]);
+        if (defect == CROWDED) polygons.positions[last[2]][0] += 1;
+        if (defect == FLAT) first[2] = last[2];
+        if (defect == BOW_TIE) {
+            last[1] = add_middle(&polygons, last[1], first[2]);
+            polygons.positions[last[1]][0] += 1;
+        }
+        polygons.polygon_count += defect != FLAT;
+        assert_int_equal(gd_mesh_build(&polygons, NULL, NULL, &mesh, &one), expected[defect]);
+        assert_int_equal(build_on_two(&polygons, &mesh, &two), expected[defect]);
+        assert_memory_equal(&one, &two, sizeof one);
+        gd_polygons_free(&polygons);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -181,6 +276,8 @@ int main(void)
         cmocka_unit_test(it_can_be_cancelled_at_every_report),
         cmocka_unit_test(it_can_be_cancelled_within_every_loop),
         cmocka_unit_test(a_deadline_in_the_past_stops_the_build),
+        cmocka_unit_test(two_threads_build_the_same),
+        cmocka_unit_test(two_threads_refuse_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

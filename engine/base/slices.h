@@ -1,0 +1,18 @@
+/* Slices: a paced loop over many elements, on the threads of the control's executor.
+ *
+ * The elements are divided into slices of GD__PACE_STEPS. The results do not depend on the threads
+ * if the body of a slice writes only data of its own elements and reads no data of others. */
+#ifndef GD_BASE_SLICES_H
+#define GD_BASE_SLICES_H
+
+#include "base/pace.h"
+
+/* The body of a loop over the elements from `begin` to `end` - 1. `pace` is for inner loops; its
+ * steps are already counted once for each element. */
+typedef void gd__slice(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end);
+
+/* Runs the body for all slices of [0, count). After the pace has stopped, the remaining slices are
+ * skipped. */
+void gd__slices_run(struct gd__pace *pace, uint32_t count, gd__slice *run, void *context);
+
+#endif
