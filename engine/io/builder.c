@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/large.h"
 
@@ -104,8 +105,9 @@ static enum gd_status look(struct gd__builder *builder)
 {
     const struct gd__scan *scan = builder->scan;
     size_t left = gd__scan_left(scan), size = (size_t)(scan->end - scan->begin);
+    double done = (double)(size - left) / (double)size;
     builder->next_look = scan->at + (left < LOOK_BYTES ? left : LOOK_BYTES);
-    builder->done = (double)(size - left) / (double)size;
+    if (done > builder->done) builder->done = done;
     return gd_control_check(builder->limits.control, builder->done);
 }
 
@@ -248,6 +250,47 @@ enum gd_status gd__builder_no_such_vertex(const struct gd__builder *builder, lon
     return gd__scan_fail(builder->scan, at, GD_INDEX,
                          "a face refers to vertex %lld, but there are only %zu, counted from %u",
                          number, builder->position_count, builder->index_base);
+}
+
+/* Appends the first corners of the polygons of a part, unless all polygons are triangles. */
+static bool append_first(struct gd__builder *builder, const struct gd__builder *part)
+{
+    size_t polygons = builder->polygon_count + part->polygon_count;
+    if (!builder->first && !part->first) return true;
+    if (!builder->first && !begin_first(builder)) return false;
+    if (polygons > builder->first_capacity && !resize_first(builder, polygons)) return false;
+    uint32_t *first = builder->first + builder->polygon_count;
+    for (size_t i = 0; i < part->polygon_count; i++)
+        first[i] = (uint32_t)(builder->corner_count + (part->first ? part->first[i] : 3 * i));
+    return true;
+}
+
+bool gd__builder_append(struct gd__builder *builder, const struct gd__builder *part)
+{
+    size_t positions = builder->position_count + part->position_count;
+    size_t corners = builder->corner_count + part->corner_count;
+    if (positions > builder->limits.max_vertices) return false;
+    if (builder->triangles + part->triangles > builder->limits.max_faces) return false;
+    if (positions > builder->position_capacity && !resize_positions(builder, positions))
+        return false;
+    if (corners > builder->corner_capacity && !resize_corners(builder, corners)) return false;
+    if (!append_first(builder, part)) return false;
+    if (part->position_count)
+        memcpy(builder->positions + builder->position_count, part->positions,
+               part->position_count * sizeof *part->positions);
+    if (part->corner_count)
+        memcpy(builder->corners + builder->corner_count, part->corners,
+               part->corner_count * sizeof *part->corners);
+    if (part->last_vertex_at &&
+        (!builder->last_vertex_at || part->last_vertex > builder->last_vertex)) {
+        builder->last_vertex = part->last_vertex;
+        builder->last_vertex_at = part->last_vertex_at;
+    }
+    builder->position_count = positions;
+    builder->open = builder->corner_count = corners;
+    builder->polygon_count += part->polygon_count;
+    builder->triangles += part->triangles;
+    return true;
 }
 
 /* Shrinks the arrays to their length. If that fails, the arrays remain valid. `capacity` > 0. */

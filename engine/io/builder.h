@@ -4,6 +4,7 @@
 #ifndef GD_IO_BUILDER_H
 #define GD_IO_BUILDER_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -18,6 +19,8 @@ struct gd__builder {
     uint32_t index_base;
     const char *next_look; /* checks the control once the scan has reached this position */
     double done;           /* fraction of the reading that was last reported to the control */
+    /* true if the input has vertices before this builder's part, whose number is unknown */
+    bool is_part;
 
     double (*positions)[3];
     size_t position_count, position_capacity;
@@ -81,6 +84,10 @@ GD_MUST_USE enum gd_status gd__builder_skip(struct gd__builder *builder, const c
 /* Closes the open polygon. A polygon of fewer than three corners is passed to gd__builder_skip,
  * which skips it or returns GD_SYNTAX. Other errors: GD_TOO_LARGE, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_close_polygon(struct gd__builder *builder, const char *at);
+
+/* Appends the polygons of a builder that has read the next part of the input. Returns false if that
+ * would exceed a limit or if there is no memory; the builder is then unchanged. */
+bool gd__builder_append(struct gd__builder *builder, const struct gd__builder *part);
 
 /* Reports that a face names a vertex that does not exist, and returns GD_INDEX. `number` is the
  * vertex in the file's numbering. */

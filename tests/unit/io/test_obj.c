@@ -1,3 +1,4 @@
+#include "tests/support/two_threads.h"
 #include "tests/unit/io/reader_tests.h"
 
 #define TRIANGLE      "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
@@ -94,10 +95,138 @@ static const struct bad_input bad[] = {
     {BYTES(TRIANGLE "f 1 2 \\\n\\\n9\n"), GD_INDEX, 6, NULL},
 };
 
+/* --- two threads ------------------------------------------------------------------------------ */
+
+#define LINES 200000 /* of each kind: about 12 MB, which are several parts */
+
+/* Returns a long text, which the caller frees. `extra` is inserted in the middle of the faces. */
+static char *long_text(const char *extra, size_t *size)
+{
+    char *text = NULL;
+    FILE *stream = open_memstream(&text, size);
+    assert_non_null(stream);
+    for (unsigned i = 0; i < LINES; i++)
+        if (i % 100 == 7)
+            fprintf(stream, "# comment \\\nv \\\r\n  %u 1 \\\n 2\n", i);
+        else
+            fprintf(stream, "v %u.25 %u -1.0625e-3\n", i, i % 77);
+    for (unsigned i = 0; i < LINES; i++) {
+        if (i == LINES / 2) fprintf(stream, "%s", extra);
+        fprintf(stream, "f %u/1/1 \\\n %u/2/2 %u/3/3%s\n", i % (LINES - 9) + 1, i / 2 + 1, i + 1,
+                i % 1000 == 999 ? " 5" : "");
+    }
+    fclose(stream);
+    return text;
+}
+
+struct reading {
+    enum gd_status status;
+    struct gd_polygons polygons;
+    struct gd_detail detail;
+    struct gd_mended skipped;
+};
+
+static struct reading read_long(const char *text, size_t size, struct gd_read_options options,
+                                const struct gd_executor *executor)
+{
+    struct reading reading = {0};
+    const struct gd_control control = {.executor = executor};
+    options.format = GD_FORMAT_OBJ;
+    options.control = &control;
+    if (options.skipped) options.skipped = &reading.skipped;
+    reading.status = gd_read_polygons(text, size, &options, &reading.polygons, &reading.detail);
+    return reading;
+}
+
+static void check_equal(const struct gd_polygons *a, const struct gd_polygons *b)
+{
+    assert_int_equal(a->position_count, b->position_count);
+    assert_int_equal(a->polygon_count, b->polygon_count);
+    assert_memory_equal(a->positions, b->positions, a->position_count * sizeof *a->positions);
+    assert_memory_equal(a->corners, b->corners, gd_polygons_corner_count(a) * sizeof *a->corners);
+    assert_int_equal(a->first == NULL, b->first == NULL);
+    if (a->first)
+        assert_memory_equal(a->first, b->first, (a->polygon_count + 1) * sizeof *a->first);
+}
+
+/* Two threads read the same polygons and report the same errors as one thread. */
+static void two_threads_read_the_same(void **state)
+{
+    struct gd_mended wanted;
+    const struct {
+        const char *extra;
+        enum gd_status status;
+        struct gd_read_options options;
+    } cases[] = {
+        {"", GD_OK, {0}},
+        {"f -1 -2 -3\n", GD_OK, {0}},
+        {"f 1 2\n", GD_OK, {.skipped = &wanted}},
+        {"f 1 2\n", GD_SYNTAX, {0}},
+        {"v 1 x 2\n", GD_SYNTAX, {0}},
+        {"v 1 1e999 2\n", GD_NON_FINITE, {0}},
+        {"f 1 2 9999999\n", GD_INDEX, {0}},
+        {"f 1 2 -9999999\n", GD_INDEX, {0}},
+        {"", GD_TOO_LARGE, {.max_faces = LINES - 5}},
+        {"v 1 2 3\n", GD_TOO_LARGE, {.max_vertices = LINES}},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        size_t size;
+        char *text = long_text(cases[i].extra, &size);
+        struct reading one = read_long(text, size, cases[i].options, NULL);
+        struct reading two = read_long(text, size, cases[i].options, &two_threads);
+        assert_int_equal(one.status, cases[i].status);
+        assert_int_equal(two.status, cases[i].status);
+        assert_string_equal(one.detail.text, two.detail.text);
+        assert_memory_equal(&one.skipped, &two.skipped, sizeof one.skipped);
+        if (!one.status) check_equal(&one.polygons, &two.polygons);
+        gd_polygons_free(&one.polygons);
+        gd_polygons_free(&two.polygons);
+        free(text);
+    }
+}
+
+struct reports {
+    unsigned count, stop_at;
+    double last;
+    pthread_t caller;
+};
+
+static bool note_report(void *user, double fraction)
+{
+    struct reports *reports = user;
+    assert_true(pthread_equal(pthread_self(), reports->caller));
+    assert_true(fraction >= reports->last && fraction <= 1);
+    reports->last = fraction;
+    return ++reports->count != reports->stop_at;
+}
+
+/* Reports come from the calling thread and never decrease, also if the text is read again from an
+ * error on. The reading ends at the report that refuses it. */
+static void two_threads_report_and_end(void **state)
+{
+    size_t size;
+    char *text = long_text("f -1 -2 -3\n", &size);
+    (void)state;
+    for (unsigned stop_at = 0; stop_at < 20; stop_at++) {
+        struct reports reports = {.stop_at = stop_at, .caller = pthread_self()};
+        struct gd_control control = {
+            .progress = note_report, .user = &reports, .executor = &two_threads};
+        struct gd_polygons polygons = {0};
+        enum gd_status status = gd_read_polygons(
+            text, size, &(struct gd_read_options){.control = &control}, &polygons, NULL);
+        assert_int_equal(status, stop_at ? GD_CANCELLED : GD_OK);
+        if (stop_at) assert_int_equal(reports.count, stop_at);
+        gd_polygons_free(&polygons);
+    }
+    free(text);
+}
+
 int main(void)
 {
     struct reader reader = {GD_FORMAT_OBJ, good, COUNT_OF(good), bad, COUNT_OF(bad)};
-    const struct CMUnitTest tests[] = {READER_TESTS(&reader),
-                                       cmocka_unit_test(skips_ignored_content)};
+    const struct CMUnitTest tests[] = {
+        READER_TESTS(&reader), cmocka_unit_test(skips_ignored_content),
+        cmocka_unit_test(two_threads_read_the_same), cmocka_unit_test(two_threads_report_and_end)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
