@@ -60,15 +60,6 @@ static inline uint32_t gd__pace_slice(struct gd__pace *pace, uint32_t done, uint
     for (uint32_t i = 0, i##_slice; (i##_slice = gd__pace_slice(pace, i, count)) != i;)            \
         for (; i < i##_slice; i++)
 
-/* Writes a zero to each page of a new array, so that the system provides the pages in order.
- * Otherwise scattered writes would cause page faults on nearly all pages within one slice. */
-static inline void gd__pace_touch(struct gd__pace *pace, void *array, size_t bytes)
-{
-    const size_t page = 4096;
-    volatile char *byte = array;
-    for (size_t at = 0; at < bytes && gd__pace(pace, GD__PACE_STEPS / 64); at += page) byte[at] = 0;
-}
-
 /* Sets all bits of the array. */
 static inline void gd__pace_fill(struct gd__pace *pace, void *array, size_t bytes)
 {

@@ -3,6 +3,8 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
+#include "base/large.h"
+
 struct slices {
     struct gd__pace *pace; /* used by the calling thread only */
     pthread_t caller;
@@ -48,4 +50,21 @@ void gd__slices_run(struct gd__pace *pace, uint32_t count, gd__slice *run, void 
     gd_executor_run(control ? control->executor : NULL, run_slice, &slices,
                     count / GD__PACE_STEPS + (count % GD__PACE_STEPS > 0));
     if (!pace->status) pace->status = (enum gd_status)atomic_load(&slices.status);
+}
+
+/* --- pages ------------------------------------------------------------------------------------ */
+
+#define PAGE_BYTES  ((size_t)4096)
+#define TOUCH_BYTES (GD__HUGE_PAGE / GD__PACE_STEPS) /* so that a slice is a huge page */
+
+static void touch_slice(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    volatile char *bytes = context;
+    (void)pace;
+    for (size_t at = begin * TOUCH_BYTES; at < end * TOUCH_BYTES; at += PAGE_BYTES) bytes[at] = 0;
+}
+
+void gd__slices_touch(struct gd__pace *pace, void *array, size_t bytes)
+{
+    if (array) gd__slices_run(pace, (uint32_t)(bytes / TOUCH_BYTES), touch_slice, array);
 }

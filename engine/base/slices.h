@@ -15,4 +15,9 @@ typedef void gd__slice(void *context, struct gd__pace *pace, uint32_t begin, uin
  * skipped. */
 void gd__slices_run(struct gd__pace *pace, uint32_t count, gd__slice *run, void *context);
 
+/* Writes a zero to each page of a new array, so that the system provides the pages in order, to
+ * several threads. Otherwise scattered writes would cause page faults on nearly all pages within
+ * one slice, and threads that write to one huge page would both clear it. NULL is allowed. */
+void gd__slices_touch(struct gd__pace *pace, void *array, size_t bytes);
+
 #endif

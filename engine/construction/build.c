@@ -52,7 +52,7 @@ static void free_scratch(struct gd__construction *work)
     free(work->representative);
     free(work->merged.corners);
     free(work->merged.first);
-    free(work->triangle);
+    if (work->triangle && work->triangle[0] != work->polygons->corners) free(work->triangle);
     free(work->face_index);
     free(work->corner);
     free(work->neighbour);

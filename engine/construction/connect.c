@@ -154,7 +154,8 @@ enum gd_status gd__connect(struct gd__construction *work)
     const struct gd_mesh *mesh = work->mesh;
     struct gd__edge_table table = {0};
     struct findings findings = {0};
-    work->neighbour = gd__large_array(3 * (size_t)mesh->face_count, sizeof *work->neighbour);
+    work->neighbour =
+        gd__scratch_array(work, 3 * (size_t)mesh->face_count, sizeof *work->neighbour);
     if (!work->neighbour) return GD_NO_MEMORY;
     enum gd_status status =
         gd__edge_table_create((const uint32_t(*)[3])work->corner, mesh->face_count,

@@ -79,11 +79,11 @@ enum gd_status gd__make_fans(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
     struct fan_making making = {.work = work};
-    mesh->fan = gd__mesh_array(mesh, 3 * (size_t)mesh->face_count, sizeof *mesh->fan);
-    mesh->beyond = gd__mesh_array(mesh, 3 * (size_t)mesh->face_count, sizeof *mesh->beyond);
-    mesh->side_fan = gd__mesh_array(mesh, 2 * (size_t)mesh->edge_count, sizeof *mesh->side_fan);
-    mesh->total_angle = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->total_angle);
-    mesh->vertex_kind = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->vertex_kind);
+    mesh->fan = gd__mesh_array(work, 3 * (size_t)mesh->face_count, sizeof *mesh->fan);
+    mesh->beyond = gd__mesh_array(work, 3 * (size_t)mesh->face_count, sizeof *mesh->beyond);
+    mesh->side_fan = gd__mesh_array(work, 2 * (size_t)mesh->edge_count, sizeof *mesh->side_fan);
+    mesh->total_angle = gd__mesh_array(work, mesh->vertex_count, sizeof *mesh->total_angle);
+    mesh->vertex_kind = gd__mesh_array(work, mesh->vertex_count, sizeof *mesh->vertex_kind);
     if (!mesh->fan || !mesh->beyond || !mesh->side_fan || !mesh->total_angle || !mesh->vertex_kind)
         return GD_NO_MEMORY;
     gd__slices_run(&work->pace, mesh->vertex_count, make_fans, &making);

@@ -93,13 +93,12 @@ static enum gd_status number_vertices(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
     uint32_t count = mesh->vertex_count;
-    struct keyed_vertex *keyed = gd__large_array(2 * (size_t)count, sizeof *keyed);
-    mesh->index_of_vertex = gd__mesh_array(mesh, count, sizeof *mesh->index_of_vertex);
+    struct keyed_vertex *keyed = gd__scratch_array(work, 2 * (size_t)count, sizeof *keyed);
+    mesh->index_of_vertex = gd__mesh_array(work, count, sizeof *mesh->index_of_vertex);
     if (!keyed || !mesh->index_of_vertex) {
         free(keyed);
         return GD_NO_MEMORY;
     }
-    gd__pace_touch(&work->pace, keyed, 2 * (size_t)count * sizeof *keyed);
     encode(work, keyed);
     sort_by_code(keyed, keyed + count, count, &work->pace);
     const struct keyed_vertex *sorted = keyed + count;
@@ -137,9 +136,6 @@ static enum gd_status number_faces(struct gd__construction *work)
     GD__PACED (&work->pace, i, mesh->face_count)
         start[lowest_vertex(mesh, work->triangle[i]) + 1]++;
     GD__PACED (&work->pace, v, mesh->vertex_count) start[v + 1] += start[v];
-    gd__pace_touch(&work->pace, work->corner, mesh->face_count * sizeof *work->corner);
-    gd__pace_touch(&work->pace, mesh->index_of_face,
-                   mesh->face_count * sizeof *mesh->index_of_face);
     gd__pace_fill(&work->pace, mesh->face_of_index,
                   mesh->summary.face_index_count * sizeof *mesh->face_of_index);
     GD__PACED (&work->pace, i, mesh->face_count)
@@ -175,12 +171,12 @@ enum gd_status gd__order(struct gd__construction *work)
     struct gd_mesh *mesh = work->mesh;
     uint32_t index_count = work->polygons->position_count + work->copy_count;
     mesh->summary.index_count = index_count;
-    mesh->input_position = gd__mesh_array(mesh, index_count, sizeof *mesh->input_position);
-    mesh->vertex_of_index = gd__mesh_array(mesh, index_count, sizeof *mesh->vertex_of_index);
+    mesh->input_position = gd__mesh_array(work, index_count, sizeof *mesh->input_position);
+    mesh->vertex_of_index = gd__mesh_array(work, index_count, sizeof *mesh->vertex_of_index);
     mesh->face_of_index =
-        gd__mesh_array(mesh, mesh->summary.face_index_count, sizeof *mesh->face_of_index);
-    mesh->index_of_face = gd__mesh_array(mesh, mesh->face_count, sizeof *mesh->index_of_face);
-    work->corner = gd__large_array(mesh->face_count, sizeof *work->corner);
+        gd__mesh_array(work, mesh->summary.face_index_count, sizeof *mesh->face_of_index);
+    mesh->index_of_face = gd__mesh_array(work, mesh->face_count, sizeof *mesh->index_of_face);
+    work->corner = gd__scratch_array(work, mesh->face_count, sizeof *work->corner);
     if (!mesh->input_position || !mesh->vertex_of_index || !mesh->face_of_index ||
         !mesh->index_of_face || !work->corner)
         return GD_NO_MEMORY;

@@ -67,7 +67,7 @@ static double farthest_coordinate(const struct gd_mesh_summary *s)
 static enum gd_status place_vertices(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
-    mesh->position = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->position);
+    mesh->position = gd__mesh_array(work, mesh->vertex_count, sizeof *mesh->position);
     if (!mesh->position) return GD_NO_MEMORY;
     GD__PACED (&work->pace, v, mesh->vertex_count)
         mesh->position[v] =

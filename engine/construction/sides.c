@@ -134,12 +134,12 @@ enum gd_status gd__make_sides(struct gd__construction *work)
     struct gd_mesh *mesh = work->mesh;
     mesh->edge_count = count_edges(work);
     size_t sides = 2 * (size_t)mesh->edge_count;
-    mesh->origin = gd__mesh_array(mesh, sides, sizeof *mesh->origin);
-    mesh->side_face = gd__mesh_array(mesh, sides, sizeof *mesh->side_face);
-    mesh->side = gd__mesh_sides(mesh, sides);
-    mesh->face_side = gd__mesh_array(mesh, mesh->face_count, sizeof *mesh->face_side);
-    work->measure = gd__large_array(mesh->face_count, sizeof *work->measure);
-    work->edge_length = gd__large_array(mesh->edge_count, sizeof *work->edge_length);
+    mesh->origin = gd__mesh_array(work, sides, sizeof *mesh->origin);
+    mesh->side_face = gd__mesh_array(work, sides, sizeof *mesh->side_face);
+    mesh->side = gd__mesh_sides(work, sides);
+    mesh->face_side = gd__mesh_array(work, mesh->face_count, sizeof *mesh->face_side);
+    work->measure = gd__scratch_array(work, mesh->face_count, sizeof *work->measure);
+    work->edge_length = gd__scratch_array(work, mesh->edge_count, sizeof *work->edge_length);
     if (!mesh->origin || !mesh->side_face || !mesh->side || !mesh->face_side || !work->measure ||
         !work->edge_length)
         return GD_NO_MEMORY;

@@ -9,7 +9,7 @@ static enum gd_status label_vertices(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
     mesh->vertex_component =
-        gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->vertex_component);
+        gd__mesh_array(work, mesh->vertex_count, sizeof *mesh->vertex_component);
     if (!mesh->vertex_component) return GD_NO_MEMORY;
     GD__PACED (&work->pace, f, mesh->face_count) {
         for (int k = 0; k < 3; k++) mesh->vertex_component[work->corner[f][k]] = work->component[f];
@@ -20,7 +20,7 @@ static enum gd_status label_vertices(struct gd__construction *work)
 static enum gd_status count_components(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
-    mesh->component = gd__mesh_array(mesh, work->component_count, sizeof *mesh->component);
+    mesh->component = gd__mesh_array(work, work->component_count, sizeof *mesh->component);
     if (!mesh->component) return GD_NO_MEMORY;
     GD__PACED (&work->pace, f, mesh->face_count) {
         struct gd_component *component = &mesh->component[work->component[f]];
@@ -79,8 +79,8 @@ static enum gd_status find_boundaries(struct gd__construction *work)
     GD__PACED (&work->pace, v, mesh->vertex_count)
         boundary_vertices += mesh->vertex_kind[v] == GD_VERTEX_BOUNDARY;
     uint32_t most_loops = boundary_vertices / 3;
-    mesh->boundary = gd__mesh_array(mesh, most_loops, sizeof *mesh->boundary);
-    mesh->boundary_side = gd__mesh_array(mesh, most_loops, sizeof *mesh->boundary_side);
+    mesh->boundary = gd__mesh_array(work, most_loops, sizeof *mesh->boundary);
+    mesh->boundary_side = gd__mesh_array(work, most_loops, sizeof *mesh->boundary_side);
     uint8_t *visited = gd__large_zeroed(mesh->vertex_count, sizeof *visited);
     if (mesh->boundary && mesh->boundary_side && visited) walk_loops(work, visited);
     enum gd_status status = mesh->boundary && mesh->boundary_side && visited ? GD_OK : GD_NO_MEMORY;

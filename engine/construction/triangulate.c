@@ -161,12 +161,16 @@ enum gd_status gd__triangulate(struct gd__construction *work)
     if (most_corners > GD_EAR_MAX_CORNERS) return refuse_size(work, which, most_corners);
     mesh->face_count = count_triangles(work->polygons, &work->pace);
     mesh->summary.face_index_count = count_triangles(work->input, &work->pace);
+    if (!work->polygons->first && !work->options.repair_split) {
+        work->triangle = (uint32_t(*)[3])work->polygons->corners;
+        return GD_OK;
+    }
     work->triangle = gd__large_array(mesh->face_count, sizeof *work->triangle);
     if (edited) work->face_index = gd__large_array(mesh->face_count, sizeof *work->face_index);
     if (!work->triangle || (edited && !work->face_index)) return GD_NO_MEMORY;
     if (largest_polygon(work->input, &work->pace, &which) > 3) {
         mesh->source_polygon =
-            gd__mesh_array(mesh, mesh->summary.face_index_count, sizeof *mesh->source_polygon);
+            gd__mesh_array(work, mesh->summary.face_index_count, sizeof *mesh->source_polygon);
         if (!mesh->source_polygon) return GD_NO_MEMORY;
     }
     if (most_corners > 3) return triangulate_polygons(work, most_corners);

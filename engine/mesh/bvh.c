@@ -78,10 +78,10 @@ static void fill_level(struct gd__construction *work, uint32_t level)
 enum gd_status gd__make_bvh(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
-    mesh->bvh = gd__mesh_array(mesh, 1, sizeof *mesh->bvh);
+    mesh->bvh = gd__mesh_array(work, 1, sizeof *mesh->bvh);
     if (!mesh->bvh) return GD_NO_MEMORY;
     uint32_t boxes = plan_levels(mesh->bvh, mesh->face_count);
-    mesh->bvh->box = gd__mesh_array(mesh, boxes, sizeof *mesh->bvh->box);
+    mesh->bvh->box = gd__mesh_array(work, boxes, sizeof *mesh->bvh->box);
     if (!mesh->bvh->box) return GD_NO_MEMORY;
     gd__slices_run(&work->pace, mesh->bvh->level_count[0], fill_leaves, mesh);
     for (uint32_t level = 1; level < mesh->bvh->levels; level++) fill_level(work, level);

@@ -3,22 +3,30 @@
 #include <assert.h>
 
 #include "base/large.h"
+#include "base/slices.h"
 
-void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size)
+void *gd__mesh_array(struct gd__construction *work, size_t count, size_t size)
 {
     if (count == 0) count = 1;
     void *array = gd__large_zeroed(count, size);
-    if (array) mesh->bytes += count * size;
+    if (array) work->mesh->bytes += count * size;
+    gd__slices_touch(&work->pace, array, count * size);
     return array;
 }
 
-struct gd_side *gd__mesh_sides(struct gd_mesh *mesh, size_t count)
+struct gd_side *gd__mesh_sides(struct gd__construction *work, size_t count)
 {
     static_assert(sizeof(struct gd_side) == 64, "a side fills one cache line");
-    struct gd_side *sides = gd__large_array(count, sizeof *sides);
-    if (!sides) return NULL;
-    mesh->bytes += count * sizeof *sides;
+    struct gd_side *sides = gd__scratch_array(work, count, sizeof *sides);
+    if (sides) work->mesh->bytes += count * sizeof *sides;
     return sides;
+}
+
+void *gd__scratch_array(struct gd__construction *work, size_t count, size_t size)
+{
+    void *array = gd__large_array(count, size);
+    gd__slices_touch(&work->pace, array, count * size);
+    return array;
 }
 
 uint32_t gd__input_polygon(const struct gd_mesh *mesh, uint32_t face)

@@ -41,8 +41,10 @@ struct gd__construction {
     uint32_t *face_index;
     uint32_t copy_count; /* number of appended vertices; mesh->copy_of has their originals */
 
-    uint32_t (*triangle)[3]; /* mesh->face_count triples of vertex indices */
-    uint32_t (*corner)[3];   /* for each face, its vertices; counter-clockwise from gd__orient on */
+    /* mesh->face_count triples of vertex indices; the input's corners, which no step changes, if
+       they are triangles and nothing is merged or repaired */
+    uint32_t (*triangle)[3];
+    uint32_t (*corner)[3]; /* for each face, its vertices; counter-clockwise from gd__orient on */
     /* per face side 3 f + k, from corner k to k + 1: the matching side of the neighbour, or GD_NONE
        if there is none */
     uint32_t *neighbour;
@@ -57,11 +59,14 @@ struct gd__construction {
 };
 
 /* Allocates a zeroed array owned by the mesh and adds its size to mesh->bytes. Returns NULL if out
- * of memory. */
-void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size);
+ * of memory. Provides its pages, as gd__scratch_array does (gd__slices_touch). */
+void *gd__mesh_array(struct gd__construction *work, size_t count, size_t size);
 
 /* Like gd__mesh_array, for sides: aligned to cache lines, not zeroed. */
-struct gd_side *gd__mesh_sides(struct gd_mesh *mesh, size_t count);
+struct gd_side *gd__mesh_sides(struct gd__construction *work, size_t count);
+
+/* Allocates an array for the time of the build, uninitialised. NULL: out of memory. */
+void *gd__scratch_array(struct gd__construction *work, size_t count, size_t size);
 
 /* Returns GD_BUDGET if building a mesh of that size would exceed the budget. */
 enum gd_status gd__afford(const struct gd__construction *work, uint64_t faces, uint64_t vertices);

@@ -52,7 +52,7 @@ static void edge_table_fill(const uint32_t (*corner)[3], uint32_t side_count, st
         table->first[low + 1]++;
     }
     GD__PACED (pace, v, vertex_count) table->first[v + 1] += table->first[v];
-    gd__pace_touch(pace, table->use, side_count * sizeof *table->use);
+    gd__slices_touch(pace, table->use, side_count * sizeof *table->use);
     GD__PACED (pace, s, side_count) {
         ends_of_side(corner, s, &low, &high);
         table->use[table->first[low]++] = (struct gd__edge_use){high, s};

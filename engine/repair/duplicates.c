@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/large.h"
+#include "base/slices.h"
 #include "repair/repair.h"
 
 struct comparison {
@@ -62,7 +63,7 @@ static void bucket(const struct comparison *comparison, uint32_t *start, uint32_
             start[comparison->sorted[gd_polygons_first(polygons, i)] + 1]++;
     }
     GD__PACED (comparison->pace, v, polygons->position_count + 1) start[v + 1] += start[v];
-    gd__pace_touch(comparison->pace, order, polygons->polygon_count * sizeof *order);
+    gd__slices_touch(comparison->pace, order, polygons->polygon_count * sizeof *order);
     GD__PACED (comparison->pace, done, polygons->polygon_count) {
         uint32_t i = polygons->polygon_count - 1 - done;
         if (duplicates_size_of(polygons, i))

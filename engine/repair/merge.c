@@ -161,7 +161,7 @@ static enum gd_status merge_allocate(struct gd__construction *work)
 {
     const struct gd_polygons *input = work->input;
     struct gd_mesh *mesh = work->mesh;
-    mesh->repair = gd__mesh_array(mesh, 1, sizeof *mesh->repair);
+    mesh->repair = gd__mesh_array(work, 1, sizeof *mesh->repair);
     if (mesh->repair && work->options.lines_skipped)
         mesh->repair->lines_skipped = *work->options.lines_skipped;
     work->representative = gd__large_array(input->position_count, sizeof *work->representative);

@@ -251,7 +251,7 @@ static enum gd_status keep_copies(struct splitting *s)
 {
     struct gd_mesh *mesh = s->work->mesh;
     if (s->copy_count == 0) return GD_OK;
-    mesh->copy_of = gd__mesh_array(mesh, s->copy_count, sizeof *mesh->copy_of);
+    mesh->copy_of = gd__mesh_array(s->work, s->copy_count, sizeof *mesh->copy_of);
     uint32_t *copies = gd__large_zeroed(s->input_vertices, sizeof *copies);
     if (mesh->copy_of && copies) {
         memcpy(mesh->copy_of, s->copy_of, s->copy_count * sizeof *s->copy_of);
