@@ -71,6 +71,8 @@ static void executor_run_task(struct executor *executor)
     executor->running++;
     pthread_mutex_unlock(&executor->lock);
     executor->task(executor->context, task);
+    /* a helper checks no control, so its priority is adjusted here */
+    (void)server_workers_go_on(executor->workers);
     pthread_mutex_lock(&executor->lock);
     if (--executor->running == 0) executor_signal(executor);
 }

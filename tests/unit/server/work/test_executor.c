@@ -1,5 +1,8 @@
 #include "tests/unit/server/support.h"
 
+#include <sched.h>
+#include <sys/resource.h>
+
 #include "server/work/executor.h"
 
 /* A job on a worker that runs an executor of `count` tasks. */
@@ -281,6 +284,31 @@ static void helpers_leave_for_a_job_and_come_back(void **state)
     server_workers_destroy(workers);
 }
 
+static void note_idle(void *context, uint32_t index)
+{
+    atomic_bool *is_idle = context;
+    (void)index;
+    if (sched_getscheduler(0) == SCHED_IDLE) atomic_store(is_idle, true);
+    for (uint64_t end = gd_now_ns() + 50000; gd_now_ns() < end;) continue;
+}
+
+/* A helper that works for long gets idle priority, although its tasks check no control. The calling
+ * thread is no worker, so it keeps its priority. */
+static void a_long_helper_gets_idle_priority(void **state)
+{
+    (void)state;
+    if (setpriority(PRIO_PROCESS, 0, -1) != 0) skip(); /* needs CAP_SYS_NICE */
+    (void)setpriority(PRIO_PROCESS, 0, 0);
+    struct server_workers *workers = server_workers_create(2, 8);
+    const struct gd_executor *executor = server_executor_start(workers, 2, UINT64_MAX);
+    atomic_bool is_idle = false;
+    for (uint64_t end = gd_now_ns() + UINT64_C(20000000000); !is_idle && gd_now_ns() < end;)
+        gd_executor_run(executor, note_idle, &is_idle, 2);
+    assert_true(is_idle);
+    server_executor_stop(executor);
+    server_workers_destroy(workers);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -293,6 +321,7 @@ int main(void)
         cmocka_unit_test(one_executor_serves_many_runs),
         cmocka_unit_test(one_thread_needs_no_executor),
         cmocka_unit_test(helpers_leave_for_a_job_and_come_back),
+        cmocka_unit_test(a_long_helper_gets_idle_priority),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
