@@ -41,6 +41,7 @@ struct server_surface *server_surface_resource_build(struct server_monitor *part
                                            .cache = host->api->cache,
                                            .max_faces = (uint32_t)host->api->config->max_faces,
                                            .control = server_exchange_control(part),
+                                           .workers = host->workers,
                                            .record = record,
                                            .bytes = bytes,
                                            .problem = problem};

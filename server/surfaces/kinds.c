@@ -54,7 +54,8 @@ static enum gd_status step_run(struct build *build, step *run, size_t cost)
     const struct gd_control control = {.budget_bytes = build->is_read ? cost : 0,
                                        .deadline_ns = builder->control.deadline_ns,
                                        .progress = build_progress,
-                                       .user = build};
+                                       .user = build,
+                                       .executor = builder->control.executor};
     size_t kept = 0;
     enum gd_status status = server_build_take(builder, cost);
     build->is_refused = status != GD_OK;

@@ -157,6 +157,7 @@ enum server_loader_outcome server_loader_load(struct server_loader *loader,
                                     .budget = parts->budget,
                                     .cache = parts->cache,
                                     .max_faces = parts->max_faces,
+                                    .workers = job ? parts->workers : NULL,
                                     .control = {.deadline_ns = job ? job->deadline_ns : 0,
                                                 .progress = load_progress,
                                                 .user = &load}}};

@@ -4,6 +4,9 @@
 #include <stdlib.h>
 
 #include "server/store/kind.h"
+#include "server/work/executor.h"
+
+#define SHARED_BYTES ((uint64_t)1 << 20) /* two workers build the surface of a larger file */
 
 struct server_surface *server_surface_create(struct server_record *record, void *object,
                                              size_t bytes, struct server_budget *budget,
@@ -98,8 +101,14 @@ enum gd_status server_build_surface(const struct server_builder *builder,
                                     struct server_surface **out)
 {
     struct server_record *record = builder->record;
+    struct server_builder own = *builder;
     struct server_built built = {0};
-    enum gd_status status = record->kind->build(builder, &built);
+    uint64_t deadline_ns = builder->control.deadline_ns;
+    if (builder->workers && record->size >= SHARED_BYTES)
+        own.control.executor =
+            server_executor_start(builder->workers, 2, deadline_ns ? deadline_ns : UINT64_MAX);
+    enum gd_status status = record->kind->build(&own, &built);
+    server_executor_stop(own.control.executor);
     if (status) return status;
     *out = server_surface_create(record, built.object, built.size, builder->budget, builder->cache);
     if (*out) return GD_OK;

@@ -10,6 +10,7 @@
 #include "server/fields/cache.h"
 #include "server/fields/lru.h"
 #include "server/store/record.h"
+#include "server/work/workers.h"
 
 struct server_background;
 
@@ -85,7 +86,9 @@ struct server_builder { /* all borrowed */
     struct server_budget *budget;
     struct server_cache *cache;
     uint32_t max_faces;
-    struct gd_control control; /* ends the build early and receives progress; its budget is unset */
+    /* ends the build early and receives progress; its budget and its executor are unset */
+    struct gd_control control;
+    struct server_workers *workers; /* NULL: the surface is built by the calling thread alone */
     struct server_record *record;
     const void *bytes; /* the record->size bytes of its file */
     struct proto_problem *problem;
