@@ -342,6 +342,7 @@ def random_requests(draw, described, field):
 def measure_random(options, daemon, described):
     """Sends random requests. Prints the slowest of each kind."""
     draw = random.Random(6)
+    daemon.connection.close()  # the daemon may have closed it while bodies were prepared
     requests = random_requests(draw, described, Field(daemon, "large", 0))
     kinds = {name: [] for name in requests}
     statuses = {name: {} for name in requests}
