@@ -127,7 +127,7 @@ static bool is_space(char c)
     return gd__is_blank(c) || gd__is_newline(c);
 }
 
-void gd__scan_skip_blanks(struct gd__scan *scan)
+void gd__scan_skip_all_blanks(struct gd__scan *scan)
 {
     for (;;) {
         skip_run(scan, gd__is_blank);
@@ -169,22 +169,24 @@ struct gd__word gd__scan_word(struct gd__scan *scan)
     return (struct gd__word){begin, (size_t)(scan->at - begin)};
 }
 
-bool gd__word_is(struct gd__word word, const char *text)
-{
-    return word.length == strlen(text) && memcmp(word.at, text, word.length) == 0;
-}
-
 bool gd__word_resembles(struct gd__word word, const char *text)
 {
     return word.length == strlen(text) && strncasecmp(word.at, text, word.length) == 0;
+}
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
 }
 
 /* Returns true if the number that ends at the cursor is part of something longer, such as 0x1p3 or
  * 1.5.2. */
 static bool runs_on(const struct gd__scan *scan, const char *at)
 {
-    return at < scan->end &&
-           (isalnum((unsigned char)*at) || *at == '.' || *at == '_' || *at == '-' || *at == '+');
+    if (at == scan->end) return false;
+    unsigned char c = (unsigned char)*at;
+    bool is_letter = (c | 32) >= 'a' && (c | 32) <= 'z';
+    return is_letter || is_digit(*at) || c == '.' || c == '_' || c == '-' || c == '+';
 }
 
 /* Rejects infinities and NaNs in the form that C libraries of Windows print: 1.#INF, -1.#IND,
@@ -217,15 +219,18 @@ enum gd_status gd__scan_xyz(struct gd__scan *scan, double xyz[3])
     return status;
 }
 
+#define SHORT_DIGITS 18 /* decimal digits that always fit into 64 bits */
+
 enum gd_status gd__scan_integer(struct gd__scan *scan, int64_t *out)
 {
     gd__scan_skip_blanks(scan);
     const char *at = scan->at, *end = gd__scan_number_end(scan);
     bool negative = at < end && *at == '-';
     if (at < end && (*at == '-' || *at == '+')) at++;
-    const char *digits = at;
+    const char *digits = at, *short_end = end - at > SHORT_DIGITS ? at + SHORT_DIGITS : end;
     int64_t value = 0;
-    for (; at < end && *at >= '0' && *at <= '9'; at++) {
+    for (; at < short_end && is_digit(*at); at++) value = 10 * value + (*at - '0');
+    for (; at < end && is_digit(*at); at++) {
         bool fits = value <= (INT64_MAX - 9) / 10;
         value = fits ? 10 * value + (*at - '0') : INT64_MAX;
     }

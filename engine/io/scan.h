@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "gd/control.h"
 #include "gd/status.h"
@@ -95,8 +96,18 @@ static inline bool gd__scan_at_line_end(const struct gd__scan *scan)
            (scan->comments && *scan->at == '#');
 }
 
-/* Skips blanks and continued line ends. */
-void gd__scan_skip_blanks(struct gd__scan *scan);
+/* Skips blanks and continued line ends, of any number. */
+void gd__scan_skip_all_blanks(struct gd__scan *scan);
+
+/* Skips blanks and continued line ends. Most words follow a single blank. */
+static inline void gd__scan_skip_blanks(struct gd__scan *scan)
+{
+    size_t blanks = scan->at < scan->end && gd__is_blank(*scan->at);
+    if (gd__scan_left(scan) > blanks && !gd__is_blank(scan->at[blanks]) && scan->at[blanks] != '\\')
+        scan->at += blanks;
+    else
+        gd__scan_skip_all_blanks(scan);
+}
 
 /* Advances to the beginning of the next line. */
 void gd__scan_skip_line(struct gd__scan *scan);
@@ -107,7 +118,11 @@ void gd__scan_skip_space(struct gd__scan *scan);
 /* Skips blanks and returns the next word; its length is 0 at the end of the line. */
 struct gd__word gd__scan_word(struct gd__scan *scan);
 
-bool gd__word_is(struct gd__word word, const char *text);
+static inline bool gd__word_is(struct gd__word word, const char *text)
+{
+    size_t length = strlen(text);
+    return word.length == length && memcmp(word.at, text, length) == 0;
+}
 
 /* Like gd__word_is, but ignores the case of letters. */
 bool gd__word_resembles(struct gd__word word, const char *text);
