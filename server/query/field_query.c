@@ -13,7 +13,8 @@
 #define BUILD_SHARE 0.9 /* fraction of the progress for building the field, if it is not cached */
 
 #define BYTES_A_CALL ((size_t)1 << 20) /* additional bytes, independent of the mesh's size */
-/* bytes for each edge while two threads build; a finished field has 50 to 400 */
+/* bytes for each edge while a field is built: the finished field has 50 to 700 on most meshes, and
+   its workspace 100 */
 #define BYTES_AN_EDGE     1024
 #define SET_BYTES_AN_EDGE 224 /* the same as for a search (query.c) */
 
@@ -139,17 +140,14 @@ static enum gd_status field_make(struct server_query *query, struct server_monit
     struct server_host *host = part->exchange->host;
     const struct gd_mesh *mesh = query->surface->mesh;
     const struct gd_field_request *request = &query->field.request;
-    const struct gd_executor *executor = server_query_executor(query);
     struct server_budgeted_call call = {.workspaces = host->workspaces,
                                         .control = server_exchange_control(part),
                                         .grant = server_field_build_grant(mesh)};
-    call.control.executor = executor;
     while (server_budgeted_call_next(&call)) {
         call.status = nearer ? gd_field_resume(nearer, request->radius, &call.control, out, NULL)
                              : gd_field_build(mesh, request, &call.control, out, NULL);
         if (!call.status) call.kept = gd_field_memsize(*out);
     }
-    server_executor_stop(executor);
     if (call.status) return call.status;
     uint64_t all = gd_field_statistics(*out)->windows_propagated;
     uint64_t before = nearer ? gd_field_statistics(nearer)->windows_propagated : 0;

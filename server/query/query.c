@@ -167,12 +167,6 @@ const struct gd_landmarks *server_query_landmarks(struct server_query *query)
     return query->landmarks ? query->landmarks->landmarks : NULL;
 }
 
-const struct gd_executor *server_query_executor(const struct server_query *query)
-{
-    struct server_exchange *exchange = query->exchange;
-    return server_executor_start(exchange->host->workers, 2, exchange->job.deadline_ns);
-}
-
 /* --- pairs ------------------------------------------------------------------------------------ */
 
 /* The budget does not count the result, because a path is small and soon freed. */

@@ -36,7 +36,6 @@
 #include "server/surfaces/catalogue.h"
 #include "server/surfaces/surface.h"
 #include "server/work/budgeted_call.h"
-#include "server/work/executor.h"
 
 enum server_query_turn {
     SERVER_QUERY_DONE,   /* the answer can be written */
@@ -233,10 +232,6 @@ struct server_budgeted_call server_query_begin_call(struct server_query *query,
 
 /* Returns the landmarks of the mesh, valid as long as the query; NULL means that there are none. */
 const struct gd_landmarks *server_query_landmarks(struct server_query *query);
-
-/* Returns an executor of two threads, which the caller ends by server_executor_stop. NULL means
- * that there is no second thread. */
-const struct gd_executor *server_query_executor(const struct server_query *query);
 
 /* --- pairs of points -------------------------------------------------------------------------- */
 

@@ -5,7 +5,7 @@ import json
 import math
 import unittest
 
-from harness import SQUARE, TETRAHEDRON, TestCase, sample, wait_until
+from harness import SQUARE, TETRAHEDRON, Daemon, TestCase, sample, wait_until
 
 # a unit square of four triangles around its centre, vertex 4; the second face has the opposite
 # orientation in the file
@@ -324,6 +324,23 @@ class Memory(Isolines):
         connection.getresponse().read(1000)
         connection.close()
         self.daemon.wait_for_flight(flight)
+
+
+class Workers(unittest.TestCase):
+    def ask(self, workers):
+        """Returns the distances at all vertices, and isolines with their arcs."""
+        with Daemon("--workers", str(workers), "--landmarks", "0") as daemon:
+            self.assertEqual(daemon.put("terrain", sample("terrain", cells=104)).status, 201)
+            field = daemon.ask("terrain", "fields", vertices(5000)).json["id"]
+            path = f"/v1/meshes/terrain/fields/{field}"
+            answers = [daemon.get(path + query) for query in ("/values?format=npy", "/isolines?count=20&arcs=true&geometry=full")]
+            self.assertEqual([answer.status for answer in answers], [200, 200], answers)
+            return [answer.body for answer in answers]
+
+    def test_any_number_of_workers_returns_the_same_bits(self):
+        alone = self.ask(1)
+        for workers in (2, 3):
+            self.assertTrue(self.ask(workers) == alone)
 
 
 if __name__ == "__main__":

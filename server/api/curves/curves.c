@@ -16,6 +16,7 @@
 #include "server/query/query.h"
 #include "server/query/request.h"
 #include "server/query/result.h"
+#include "server/work/executor.h"
 
 /* --- queries about one curve ------------------------------------------------------------------ */
 
@@ -505,7 +506,9 @@ static enum server_query_turn spline_solve(struct server_query *query)
     struct server_budgeted_call call =
         server_query_begin_call(query, &part, server_field_build_grant(query->surface->mesh));
     own->located.request.landmarks = server_query_landmarks(query);
-    own->located.request.executor = server_query_executor(query);
+    /* two searches at a time */
+    own->located.request.executor =
+        server_executor_start(query->exchange->host->workers, 2, query->exchange->job.deadline_ns);
     while (server_budgeted_call_next(&call)) {
         call.status = spline_make(own, &part, &call.control);
         if (!call.status) call.kept = spline_bytes(&own->spline, &own->line);

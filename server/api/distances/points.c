@@ -153,15 +153,12 @@ static enum server_query_turn sampling_solve(struct server_query *query)
     sampling->radii = server_query_allocate(query, sampling->count, sizeof *sampling->radii);
     if (!sampling->points || !sampling->radii)
         return server_query_end_draft(query, GD_BUDGET, "the sampling");
-    const struct gd_executor *executor = server_query_executor(query);
     struct server_budgeted_call call =
         server_query_begin_call(query, NULL, server_field_build_grant(mesh));
-    call.control.executor = executor;
     while (server_budgeted_call_next(&call))
         call.status = gd_sampling_farthest(
             mesh, start, &call.control,
             &(struct gd_sampling){sampling->count, sampling->points, sampling->radii}, NULL);
-    server_executor_stop(executor);
     return server_query_end_draft(query, call.status, "the sampling");
 }
 
