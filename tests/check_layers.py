@@ -19,8 +19,8 @@ import sys
 
 # The rooms of the engine with their ranks. A gd/ header has the rank of the room that implements
 # it.
-ENGINE = {"base": 0, "mesh": 1, "io": 1, "repair": 2, "construction": 3, "window": 2, "kernel": 3, "guide": 4, "wavefront": 5, "partition": 6, "field": 7, "line": 8, "query": 9,
-          "transport": 10, "render": 10, "edit": 10, "cut": 11, "subdiv": 11, "loops": 10, "nurbs": 11, "umbrella": 12}
+ENGINE = {"base": 0, "mesh": 1, "io": 1, "repair": 2, "construction": 3, "window": 2, "kernel": 3, "guide": 4, "wavefront": 5, "field": 6, "line": 7, "query": 8,
+          "transport": 9, "render": 9, "edit": 9, "cut": 10, "subdiv": 10, "loops": 9, "nurbs": 10, "umbrella": 11}
 PUBLIC = {
     "base": ["language", "status", "vec", "control", "executor", "polygons", "number", "colour_map"],
     "mesh": ["mesh", "point", "locate", "direction"],

@@ -2,8 +2,6 @@
 
 #include <stdlib.h>
 
-#include "partition/partition.h"
-
 /* --- building --------------------------------------------------------------------------------- */
 
 static enum gd_status check_request(const struct gd_field_request *request,
@@ -101,12 +99,11 @@ enum gd_status gd__field_take(void *user, struct gd__wavefront *front)
 
 enum gd_status gd__field_propagate(struct gd_field *field,
                                    const struct gd__propagation *propagation,
-                                   const struct gd_control *control,
-                                   const struct gd_executor *executor)
+                                   const struct gd_control *control)
 {
     uint64_t start = gd_now_ns();
     struct gd__sink take = {.take = gd__field_take, .user = field};
-    enum gd_status status = gd__wavefront_run(field->mesh, propagation, &take, control, executor);
+    enum gd_status status = gd__wavefront_run(field->mesh, propagation, &take, control);
     if (!status && !obeys_law(field)) status = mend_field(field);
     field->bytes = gd__field_bytes(field);
     field->statistics.build_ns = gd_now_ns() - start;
@@ -123,7 +120,7 @@ struct build {
 };
 
 static enum gd_status build_once(const struct build *build, struct gd__variant variant,
-                                 const struct gd_executor *executor, struct gd_field **out)
+                                 struct gd_field **out)
 {
     const struct gd_field_request *request = build->request;
     enum gd_status status = check_request(request, build->detail);
@@ -139,7 +136,7 @@ static enum gd_status build_once(const struct build *build, struct gd__variant v
             .target = request->target,
             .without_wedges = build->without_wedges,
             .variant = variant};
-        status = gd__field_propagate(field, &propagation, build->control, executor);
+        status = gd__field_propagate(field, &propagation, build->control);
         if (status) gd_fail_status(build->detail, status);
     }
     if (status)
@@ -151,16 +148,15 @@ static enum gd_status build_once(const struct build *build, struct gd__variant v
 
 /* If the check fails, builds the field again by another variant of the propagation, in which
  * rounding discards other windows. */
-static enum gd_status build_somehow(const struct build *build, const struct gd_executor *executor,
-                                    struct gd_field **out)
+static enum gd_status build_somehow(const struct build *build, struct gd_field **out)
 {
     const struct gd__variant variants[] = {{0},
                                            {.no_coalescing = true},
                                            {.no_cone = true},
                                            {.no_coalescing = true, .no_filter = true}};
-    enum gd_status status = executor ? build_once(build, variants[0], executor, out) : GD_INTERNAL;
+    enum gd_status status = GD_INTERNAL;
     for (size_t i = 0; i < sizeof variants / sizeof *variants && status == GD_INTERNAL; i++)
-        status = build_once(build, variants[i], NULL, out);
+        status = build_once(build, variants[i], out);
     return status;
 }
 
@@ -169,7 +165,7 @@ enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_
                               struct gd_detail *detail)
 {
     const struct build build = {mesh, request, control, detail, false};
-    return build_somehow(&build, control ? control->executor : NULL, out);
+    return build_somehow(&build, out);
 }
 
 enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
@@ -179,7 +175,7 @@ enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
 {
     const struct build build = {mesh, request, control, detail, true};
     struct gd_field *field = NULL;
-    enum gd_status status = build_somehow(&build, NULL, &field);
+    enum gd_status status = build_somehow(&build, &field);
     if (status) return status;
     gd_field_vertex_distances(field, out);
     gd_field_release(field);

@@ -83,8 +83,7 @@ enum gd_status gd__field_take(void *field, struct gd__wavefront *front);
  * of the statistics. Errors: those of gd_field_build. */
 GD_MUST_USE enum gd_status gd__field_propagate(struct gd_field *field,
                                                const struct gd__propagation *propagation,
-                                               const struct gd_control *control,
-                                               const struct gd_executor *executor);
+                                               const struct gd_control *control);
 
 /* field.c: creates a field without arrays that retains the mesh and has one reference; returns NULL
  * if memory is exhausted. */

@@ -2,11 +2,6 @@
 #include <string.h>
 
 #include "field/layout.h"
-#include "partition/partition.h"
-
-/* Fraction of the vertices. If the partial field reaches fewer vertices, two wavefronts from the
- * seeds (engine/doc/011) are faster than resuming. */
-#define PART_WORTH_KEEPING 0.5
 
 static enum gd_status check_resume(const struct gd_field *partial, double radius,
                                    struct gd_detail *detail)
@@ -38,13 +33,6 @@ static enum gd_status copy_seeds(struct gd_field *field, const struct gd_field *
     return gd__field_index_seeds(field);
 }
 
-static bool has_little(const struct gd_field *partial)
-{
-    uint32_t vertices = partial->mesh->vertex_count, within = 0;
-    for (uint32_t v = 0; v < vertices; v++) within += partial->distance[v] <= partial->reach;
-    return within < PART_WORTH_KEEPING * vertices;
-}
-
 /* Returns true if stored wedges are too coarse to resume from. Their ends are rounded to 2^-32 of
  * their edges, which is too much if the reach or the shortest edge is small compared with the
  * longest edge. */
@@ -65,8 +53,7 @@ static void add_statistics(struct gd_field_statistics *to, const struct gd_field
 }
 
 static enum gd_status resume_field(struct gd_field *field, const struct gd_field *partial,
-                                   double radius, const struct gd_control *control,
-                                   const struct gd_executor *executor)
+                                   double radius, const struct gd_control *control)
 {
     enum gd_status status = copy_seeds(field, partial);
     if (status) return status;
@@ -81,12 +68,10 @@ static enum gd_status resume_field(struct gd_field *field, const struct gd_field
                                           .seed_count = field->seed_count,
                                           .radius =
                                               radius > 0 ? radius / field->mesh->unit : GD__FAR};
-    bool pays = executor && executor->width > 1 && has_little(partial) &&
-                gd__partition_is_worth_it(field->mesh, &propagation, control);
-    bool anew = pays || is_coarse(partial);
-    if (!anew) propagation.partial = &state;
-    status = gd__field_propagate(field, &propagation, control, executor);
-    if (!anew) add_statistics(&field->statistics, &partial->statistics);
+    bool continues = !is_coarse(partial);
+    if (continues) propagation.partial = &state;
+    status = gd__field_propagate(field, &propagation, control);
+    if (continues) add_statistics(&field->statistics, &partial->statistics);
     return status;
 }
 
@@ -98,7 +83,7 @@ enum gd_status gd_field_resume(const struct gd_field *partial, double radius,
     if (status) return status;
     struct gd_field *field = gd__field_create(partial->mesh);
     if (!field) return gd_fail_status(detail, GD_NO_MEMORY);
-    status = resume_field(field, partial, radius, control, control ? control->executor : NULL);
+    status = resume_field(field, partial, radius, control);
     if (status) {
         gd_field_release(field);
         return gd_fail_status(detail, status);

@@ -4,9 +4,9 @@
 #include "field/arrivals.h"
 #include "gd/query.h"
 #include "line/route.h"
-#include "partition/partition.h"
 #include "query/landmarks.h"
 #include "query/taut_path.h"
+#include "wavefront/wavefront.h"
 
 /* After straightening, a path in a graph is the shortest path on the surface, or slightly longer.
  * Its length bounds the distance from above (guide/guide.h, query/taut_path.h). The search
@@ -76,7 +76,7 @@ static enum gd_status search_run(struct search *search, struct gd__guide *guide,
     struct gd__propagation propagation = {
         .seeds = &search->seed, .seed_count = 1, .radius = search->bound, .guide = guide};
     struct gd__sink sink = {.take = search_answer, .user = search};
-    return gd__wavefront_run(search->mesh, &propagation, &sink, control, NULL);
+    return gd__wavefront_run(search->mesh, &propagation, &sink, control);
 }
 
 /* Searches from the other end of the pair. */

@@ -150,7 +150,7 @@ static bool is_seed_vertex(const struct gd__wavefront *front, uint32_t vertex)
            front->seeds[predecessor->source - vertices].point.kind == GD_POINT_VERTEX;
 }
 
-static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
+void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 {
     const struct gd_mesh *mesh = front->mesh;
     double total = mesh->total_angle[vertex];
@@ -171,23 +171,6 @@ static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
         double from = in + M_PI < total ? in + M_PI : in + M_PI - total;
         emit_cone(front, vertex, from, from + total - 2 * M_PI);
     }
-}
-
-/* Sends distances to the other wavefront of a partition. That wavefront emits from common vertices
- * itself. It needs the distances of the other vertices near the cut, because their windows may
- * cross the cut. */
-void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
-{
-    struct gd__partition *partition = front->partition;
-    if (!partition) {
-        emit_vertex(front, vertex);
-        return;
-    }
-    if (!gd__partition_has_vertex(partition, vertex)) return;
-    partition->is_common = gd__partition_shares_vertex(partition, vertex);
-    if (!partition->is_common) gd__wavefront_tell(front, vertex);
-    if (!front->status) emit_vertex(front, vertex);
-    partition->is_common = false;
 }
 
 /* --- seeds beside a vertex -------------------------------------------------------------------- */

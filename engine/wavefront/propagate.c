@@ -53,9 +53,7 @@ static enum gd_status store_chunk(struct gd__wavefront *front, uint32_t side,
 void gd__store_window(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
 {
     struct gd__window_builder *one = &front->work->scratch.tail;
-    bool is_wanted = !front->paged && front->inner == 0 &&
-                     (!front->partition || gd__partition_has_side(front->partition, side));
-    if (front->status || !is_wanted) return;
+    if (front->status || front->paged || front->inner > 0) return;
     front->status = gd__window_builder_reserve(one, 1);
     if (front->status) return;
     struct gd__list *list = gd__wavefront_list(front, side);

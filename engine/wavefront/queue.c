@@ -79,23 +79,14 @@ void gd__queue_enter_full(struct gd__queue *queue, struct gd__bucket *bucket, ui
         queue->out_of_memory = true;
 }
 
-uint32_t gd__queue_pop(struct gd__queue *queue, uint32_t end)
+uint32_t gd__queue_pop(struct gd__queue *queue)
 {
     if (!queue->size) return GD_NONE;
     struct gd__bucket *bucket = &queue->bucket[queue->current & MASK];
     while (bucket->head == bucket->count) {
-        if (queue->current + 1 >= end) return GD_NONE;
         bucket_retire(queue, bucket);
         bucket = &queue->bucket[++queue->current & MASK];
     }
     queue->size--;
     return bucket->nodes[bucket->head++];
-}
-
-uint32_t gd__queue_first(const struct gd__queue *queue)
-{
-    if (!queue->size) return GD_NONE;
-    uint32_t number = queue->current;
-    while (queue->bucket[number & MASK].head == queue->bucket[number & MASK].count) number++;
-    return number;
 }

@@ -84,12 +84,9 @@ static inline void gd__queue_push(struct gd__queue *queue, uint32_t node, double
         gd__queue_enter_full(queue, bucket, node, number, waiting);
 }
 
-/* Removes and returns the first entry of the buckets before number `end`; GD_NONE if they are
- * empty. The entry is stale unless its node waits in the current bucket. Amortised O(1). */
-uint32_t gd__queue_pop(struct gd__queue *queue, uint32_t end);
-
-/* Returns the number of the first bucket that is not empty; GD_NONE if all are empty. */
-uint32_t gd__queue_first(const struct gd__queue *queue);
+/* Removes and returns the first entry; GD_NONE if the queue is empty. The entry is stale unless its
+ * node waits in the current bucket. Amortised O(1). */
+uint32_t gd__queue_pop(struct gd__queue *queue);
 
 /* Returns the entry `places` positions behind the last popped entry, as a hint for prefetching.
  * GD_NONE if it is in neither the current nor the next bucket. */

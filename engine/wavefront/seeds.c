@@ -337,12 +337,10 @@ static void emit_seed(struct gd__wavefront *front, struct gd__segment_cache *cac
         seed_segment(front, cache, seed);
         return;
     }
-    if (front->partition) front->partition->is_common = true;
     if (front->seeds[seed].point.kind == GD_POINT_EDGE)
         seed_edge(front, cache, seed);
     else
         seed_face(front, cache, seed);
-    if (front->partition) front->partition->is_common = false;
 }
 
 static bool is_at_vertex(const struct gd__seed *seed)

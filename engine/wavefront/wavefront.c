@@ -65,11 +65,11 @@ static void wait_at(struct gd__wavefront *front, uint32_t vertex, double distanc
 /* Sets a shorter distance. Counts the decrease in `distance_drops` if windows of the vertex are
  * already queued or stored, see prune.c. */
 static void set_distance(struct gd__wavefront *front, uint32_t vertex, double distance,
-                         const struct gd__predecessor *predecessor, bool has_emitted)
+                         const struct gd__predecessor *predecessor)
 {
     if (!front->paged && front->distance[vertex] >= GD__FAR)
         gd__workspace_touch(front->work, 2 * front->work->edges + vertex, true);
-    if (has_emitted) {
+    if (*gd__wavefront_emitted(front, vertex) < GD__FAR) {
         note_fall(front, vertex);
         front->distance_drops++;
     }
@@ -85,32 +85,10 @@ void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double di
                          struct gd__predecessor predecessor)
 {
     if (distance >= front->distance[vertex] * (1 - GD_TOL_BETTER)) return;
-    struct gd__partition *partition = front->partition;
-    if (partition && !gd__partition_has_vertex(partition, vertex)) return;
     if (front->paged && !front->status)
         front->status =
             gd__paged_need_vertex(front->paged, front->mesh, vertex, front->queue->current);
-    if (front->status) return;
-    set_distance(front, vertex, distance, &predecessor,
-                 *gd__wavefront_emitted(front, vertex) < GD__FAR);
-    if (partition && gd__partition_shares_vertex(partition, vertex))
-        gd__wavefront_tell(front, vertex);
-}
-
-void gd__wavefront_tell(struct gd__wavefront *front, uint32_t vertex)
-{
-    struct gd__vertex_message message = {.vertex = vertex,
-                                         .has_emitted = front->emitted[vertex] < GD__FAR,
-                                         .distance = front->distance[vertex],
-                                         .predecessor = front->predecessor[vertex]};
-    if (!front->status) front->status = gd__partition_send_vertex(front->partition, &message);
-}
-
-void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_message *message)
-{
-    if (message->distance < front->distance[message->vertex])
-        set_distance(front, message->vertex, message->distance, &message->predecessor,
-                     message->has_emitted || front->emitted[message->vertex] < GD__FAR);
+    if (!front->status) set_distance(front, vertex, distance, &predecessor);
 }
 
 /* Returns the key of a side and its list. An end that is not reached yet counts as one edge length
@@ -125,14 +103,6 @@ static double key_of(const struct gd__receiver *to, const struct gd__list *list)
     struct gd__windows windows = gd__list_windows(list);
     struct gd__window w = gd__windows_get(&windows, 0);
     return gd__window_nearest(&w);
-}
-
-/* Sends windows that cross the cut to the other part. */
-static void send_windows(struct gd__wavefront *front, uint32_t side,
-                         const struct gd__children *children)
-{
-    if (children->count && !front->partition->is_common && !front->status)
-        front->status = gd__partition_send_windows(front->partition, side, children);
 }
 
 /* Returns the list of a side that will receive windows. NULL means that the error is in
@@ -163,9 +133,7 @@ static inline bool keep_wanted(struct gd__wavefront *front, const struct gd__rec
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to,
                            struct gd__children *children)
 {
-    bool is_ours = !front->partition || gd__partition_has_side(front->partition, to->side);
-    if (!is_ours) send_windows(front, to->side, children);
-    if (!is_ours || !keep_wanted(front, to, children)) {
+    if (!keep_wanted(front, to, children)) {
         gd__children_close(children, &front->work->pool);
         return;
     }
@@ -260,8 +228,8 @@ static enum gd__wedge_form wedge_form(const struct gd__wavefront *front)
                : GD__WEDGE_WIDE;
 }
 
-enum gd_status gd__wavefront_open(struct gd__wavefront *front,
-                                  const struct gd__propagation *propagation)
+static enum gd_status wavefront_open(struct gd__wavefront *front,
+                                     const struct gd__propagation *propagation)
 {
     struct gd_workspace *work = front->work;
     enum gd_status status =
@@ -283,9 +251,8 @@ enum gd_status gd__wavefront_open(struct gd__wavefront *front,
     front->work_limit = propagation->work_limit ? propagation->work_limit : work_limit(front->mesh);
     front->narrowest = front->seed_count > 1 ? GD_TOL_NARROW : GD_TOL_WIDTH;
     front->bound = propagation->radius;
-    front->takes_all = !front->partition && !front->guide && !front->paged &&
-                       !propagation->partial && !propagation->target &&
-                       propagation->radius >= GD__FAR;
+    front->takes_all = !front->guide && !front->paged && !propagation->partial &&
+                       !propagation->target && propagation->radius >= GD__FAR;
     set_target(front, propagation->target);
     return status;
 }
@@ -396,13 +363,14 @@ static void check_control(struct gd__wavefront *front)
         front->status = GD_RUNAWAY;
 }
 
-void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t most)
+/* Processes nodes until the queue is empty. */
+static void wavefront_advance(struct gd__wavefront *front)
 {
     uint32_t sides = 2 * front->mesh->edge_count, node;
     const bool is_large = sides > SIDES_IN_CACHE;
     uint64_t next_check = 0;
-    for (uint64_t work = 0; work < most && !front->status; work++) {
-        node = gd__queue_pop(front->queue, end);
+    for (uint64_t work = 0; !front->status; work++) {
+        node = gd__queue_pop(front->queue);
         if (node == GD_NONE) break;
         prefetch_records(front,
                          gd__queue_peek(front->queue, is_large ? RECORDS_AHEAD : WORK_AHEAD));
@@ -420,4 +388,39 @@ void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t m
         }
     }
     if (!front->status && front->queue->out_of_memory) front->status = GD_NO_MEMORY;
+}
+
+static enum gd_status wavefront_propagate(struct gd__wavefront *front,
+                                          const struct gd__propagation *propagation)
+{
+    enum gd_status status = wavefront_open(front, propagation);
+    if (status) return status;
+    if (propagation->partial)
+        gd__resume(front, propagation->partial);
+    else
+        gd__emit_seeds(front);
+    wavefront_advance(front);
+    return front->status;
+}
+
+enum gd_status gd__wavefront_run(const struct gd_mesh *mesh,
+                                 const struct gd__propagation *propagation,
+                                 const struct gd__sink *sink, const struct gd_control *monitor)
+{
+    struct gd_workspace own = {0},
+                        *work = monitor && monitor->workspace ? monitor->workspace : &own;
+    struct gd__wavefront front = {.mesh = mesh,
+                                  .work = work,
+                                  .seeds = propagation->seeds,
+                                  .seed_count = propagation->seed_count,
+                                  .variant = propagation->variant,
+                                  .guide = propagation->guide,
+                                  .monitor = monitor};
+    enum gd_status status = wavefront_propagate(&front, propagation);
+    if (!status) status = sink->take(sink->user, &front);
+    if (work == &own)
+        gd_workspace_trim(work);
+    else
+        gd__workspace_clean(work);
+    return status;
 }

@@ -2,7 +2,7 @@
  * that drives it.
  *
  * DESIGN
- * - gd__wavefront_run is the only loop. Seeds, bound, sink, monitor and executor select the mode.
+ * - gd__wavefront_run is the only loop. Seeds, bound, sink and monitor select the mode.
  * - All windows that wait on a side are filtered, stored as wedges, cast across the face and
  *   released together. Later arrivals on that side form a new list.
  * - The propagation is label-correcting: a vertex emits again when its distance decreases, and a
@@ -13,15 +13,12 @@
  *   distances are upper bounds. A window is dropped only where an existing path is shorter, or
  *   where no path below the bound can use it.
  * - At the end, distances and windows below the bound are final (Property 5 of the paper).
- * - Lengths are in the mesh's normalised unit. One owner, one thread; with an executor two
- *   wavefronts share the surface (partition/partition.h). */
+ * - Lengths are in the mesh's normalised unit. One owner, one thread. */
 #ifndef GD_WAVEFRONT_WAVEFRONT_H
 #define GD_WAVEFRONT_WAVEFRONT_H
 
-#include "gd/executor.h"
 #include "mesh/polar.h"
 #include "kernel/kernel.h"
-#include "wavefront/outbox.h"
 #include "wavefront/workspace.h"
 
 /* A seed in internal numbering: a point, or the open segment from `point` to `end`. The ends of a
@@ -66,8 +63,7 @@ struct gd__partial_state {
 struct gd__propagation {
     const struct gd__seed *seeds;
     uint32_t seed_count;
-    /* State to continue, with one wavefront only; `radius` exceeds the bound of this state. NULL:
-     * start from the seeds. */
+    /* State to continue; `radius` exceeds the bound of this state. NULL: start from the seeds. */
     const struct gd__partial_state *partial;
     double radius;                 /* normalised unit; GD__FAR means no limit */
     const struct gd_point *target; /* NULL means no target */
@@ -75,7 +71,7 @@ struct gd__propagation {
        that there is none. */
     struct gd__guide *guide;
     /* Computes distances only, in little memory: the sink reads front->distance. Wedges are stored
-     * for gd__prune_by_stored only. Requires one wavefront, no guide and no `partial`. */
+     * for gd__prune_by_stored only. Requires no guide and no `partial`. */
     bool without_wedges;
     /* Limit on windows; 0 means the default limit of the mesh, far above the windows of any real
        mesh. */
@@ -125,8 +121,6 @@ struct gd__wavefront {
     uint32_t target_corner[4]; /* vertices of the target's faces, padded by GD_NONE */
     double target_leg[4];      /* distances of these vertices from the target within the face */
 
-    struct gd__partition *partition; /* the wavefront's part of the surface; NULL means all of it */
-
     const struct gd_control *monitor;
     enum gd_status status;  /* the first failure; not overwritten by later ones */
     uint64_t sides_visited; /* sides visited at least once, for the progress */
@@ -142,20 +136,12 @@ struct gd__sink {
     void *user;
 };
 
-/* The steps of a propagation by one wavefront, for folder `partition`. Opens the workspace. */
-GD_MUST_USE enum gd_status gd__wavefront_open(struct gd__wavefront *front,
-                                              const struct gd__propagation *propagation);
-
-/* Processes nodes of the queue before bucket `end`, at most `most` sides and vertices. Errors are
- * in front->status. */
-void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t most);
-
-/* Sends the distance of a vertex to the other wavefront of a partition. */
-void gd__wavefront_tell(struct gd__wavefront *front, uint32_t vertex);
-
-/* Receives the distance of a vertex from another wavefront. Accepts it if it is shorter by any
- * amount. */
-void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_message *message);
+/* Seeds the wavefront, propagates until nothing within the bound is left, and calls the sink.
+ * Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY and those of the sink. */
+GD_MUST_USE enum gd_status gd__wavefront_run(const struct gd_mesh *mesh,
+                                             const struct gd__propagation *propagation,
+                                             const struct gd__sink *sink,
+                                             const struct gd_control *monitor);
 
 /* --- shared by the sources of this folder ----------------------------------------------------- */
 

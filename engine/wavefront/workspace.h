@@ -52,7 +52,7 @@ struct gd_workspace {
     struct gd__pool pool;
     struct gd__children left, right;
     struct gd__scratch scratch;
-    /* workspace of the second wavefront of a field on two threads (partition/); NULL if not created
+    /* workspace of a second search at the same time (transport/point_paths.c); NULL if not created
        yet */
     struct gd_workspace *partner;
 };

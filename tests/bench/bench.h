@@ -8,7 +8,6 @@
 #include <stdint.h>
 
 #include "gd/control.h"
-#include "gd/executor.h"
 #include "gd/point.h"
 #include "tests/samples/random.h"
 
@@ -60,7 +59,6 @@ struct bench_options {
     double noise;
     /* --landmarks: number of landmarks that are built before pairs are solved */
     uint32_t landmarks;
-    uint32_t threads; /* --threads: threads of one field; default 1 */
     /* --distances-only: fields that keep only the vertices' distances */
     bool distances_only;
 };
@@ -108,10 +106,6 @@ int bench_each_mesh(char **arguments, uint32_t runs,
 /* Returns a control like that of a daemon's worker: it has a workspace, and the memory of released
  * fields is kept for later fields. The process has one such control, without limits. */
 const struct gd_control *bench_control(void);
-
-/* Returns an executor of `threads` threads, including the calling thread. Returns NULL for one
- * thread. Ends the program, after printing a sentence, if the threads can't be started. */
-const struct gd_executor *bench_executor(uint32_t threads);
 
 /* Allocates memory, or ends the program. */
 void *bench_allocate(size_t bytes);

@@ -13,18 +13,16 @@ struct totals {
 };
 
 static void add_field(const struct gd_mesh *mesh, struct gd_point source, uint32_t run,
-                      const struct gd_executor *executor, struct totals *totals)
+                      struct totals *totals)
 {
     struct gd_seed seed = {.point = source};
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
-    struct gd_control control = *bench_control();
-    control.executor = executor;
     double start_cpu_ms = bench_thread_ms();
     uint64_t start = gd_now_ns();
     enum gd_status status =
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, &control,
-                       &field, &detail);
+        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
+                       bench_control(), &field, &detail);
     totals->ms[run] = bench_ms_since(start);
     totals->cpu_ms[run] = bench_thread_ms() - start_cpu_ms;
     bench_require(status, &detail);
@@ -104,10 +102,9 @@ static void measure(const char *name, const struct gd_mesh *mesh,
                   totals = {.ms = times, .cpu_ms = times + runs};
     struct rng rng = {1};
     struct gd_point source = bench_random_point(mesh, GD_POINT_FACE, &rng);
-    const struct gd_executor *executor = bench_executor(options->threads);
-    add_field(mesh, source, 0, executor, &first);
+    add_field(mesh, source, 0, &first);
     for (uint32_t run = 0; run < runs; run++) {
-        add_field(mesh, source, run, executor, &totals);
+        add_field(mesh, source, run, &totals);
         source = bench_random_point(mesh, GD_POINT_FACE, &rng);
     }
     bench_print_mesh(name, mesh);

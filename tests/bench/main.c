@@ -72,7 +72,6 @@ static void print_usage(void)
           "        --pin PROCESSOR stay on that processor\n"
           "        --cpu NAME      kernels: baseline, avx2, avx512 (auto)\n"
           "        --landmarks N   pair: build so many first\n"
-          "        --threads N     field: so many threads for one field\n"
           "        --distances-only  field: only the vertices' distances, no wedges\n"
           "        --repair        separate non-manifold parts\n"
           "        --subdivide N   split every triangle at the middles of its edges, N times\n"

@@ -69,7 +69,7 @@ struct trial trial_run(const struct gd_mesh *mesh, const struct trial_request *r
                                           .variant = request->methods};
     struct recorder recorder = {.field = field, .trial = &trial, .start_ms = bench_thread_ms()};
     struct gd__sink sink = {.take = record, .user = &recorder};
-    bench_require(gd__wavefront_run(mesh, &propagation, &sink, NULL, NULL), NULL);
+    bench_require(gd__wavefront_run(mesh, &propagation, &sink, NULL), NULL);
     count_wedges(field, &trial);
     if (request->distances) gd_field_vertex_distances(field, request->distances);
     gd_field_release(field);

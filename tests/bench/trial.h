@@ -2,7 +2,7 @@
 #ifndef TESTS_BENCH_TRIAL_H
 #define TESTS_BENCH_TRIAL_H
 
-#include "partition/partition.h"
+#include "wavefront/wavefront.h"
 
 struct trial_request {
     struct gd_point source;

@@ -1,7 +1,6 @@
 /* Fields: built, resumed, stored, queried. */
 #include "tests/fault/operations.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,9 +11,9 @@
 #include "tests/samples/samples.h"
 #include "tests/support/test.h"
 
-enum { CELLS = 12, PLACES = 40, SEEDS = 6, LARGE_CELLS = 101 };
+enum { CELLS = 12, PLACES = 40, SEEDS = 6 };
 
-static struct gd_mesh *mesh, *large;
+static struct gd_mesh *mesh;
 static struct gd_point places[PLACES];
 static struct gd_seed seeds[SEEDS]; /* three points, and a segment with its ends */
 static struct gd_field *field, *partial, *of_set;
@@ -22,12 +21,6 @@ static struct gd_workspace *workspace;
 static struct gd_isoline isoline;
 static void *image;
 static size_t image_size;
-
-static struct gd_mesh *terrain(uint32_t cells, struct gd_polygons *polygons)
-{
-    check_ok(sample_terrain(cells, 0.4, 7, polygons), NULL);
-    return test_mesh(polygons);
-}
 
 static void choose_seeds(void)
 {
@@ -40,30 +33,29 @@ static void choose_seeds(void)
     seeds[5] = (struct gd_seed){.point = a, .end = b, .is_segment = true};
 }
 
-static enum gd_status build_on(const struct gd_mesh *on, struct gd_field_request request,
-                               const struct gd_control *control, void *out)
+static enum gd_status build(struct gd_field_request request, const struct gd_control *control,
+                            void *out)
 {
     struct gd_detail detail = {0};
-    return gd_field_build(on, &request, control, out, &detail);
+    return gd_field_build(mesh, &request, control, out, &detail);
 }
 
 static struct gd_field *make(struct gd_field_request request)
 {
     struct gd_field *made;
-    check_ok(build_on(mesh, request, NULL, &made), NULL);
+    check_ok(build(request, NULL, &made), NULL);
     return made;
 }
 
 static void open_fields(void)
 {
-    struct gd_polygons polygons, large_polygons;
+    struct gd_polygons polygons;
     struct rng rng = {4};
-    mesh = terrain(CELLS, &polygons);
-    large = terrain(LARGE_CELLS, &large_polygons);
+    check_ok(sample_terrain(CELLS, 0.4, 7, &polygons), NULL);
+    mesh = test_mesh(&polygons);
     for (int i = 0; i < PLACES; i++)
         places[i] = test_point(mesh, test_random_place(&polygons, &rng));
     gd_polygons_free(&polygons);
-    gd_polygons_free(&large_polygons);
     choose_seeds();
     field = make((struct gd_field_request){.seeds = seeds, .seed_count = 1});
     partial = make((struct gd_field_request){.seeds = seeds, .seed_count = SEEDS, .radius = 0.2});
@@ -200,33 +192,30 @@ static const struct answer a_voronoi = {sizeof(struct gd_voronoi), digest_vorono
 
 static enum gd_status build_point(void *out)
 {
-    return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = 1}, NULL, out);
+    return build((struct gd_field_request){.seeds = seeds, .seed_count = 1}, NULL, out);
 }
 
 static enum gd_status build_set(void *out)
 {
-    return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = SEEDS}, NULL,
-                    out);
+    return build((struct gd_field_request){.seeds = seeds, .seed_count = SEEDS}, NULL, out);
 }
 
 static enum gd_status build_partial(void *out)
 {
-    return build_on(mesh,
-                    (struct gd_field_request){.seeds = seeds, .seed_count = SEEDS, .radius = 0.2},
-                    NULL, out);
+    return build((struct gd_field_request){.seeds = seeds, .seed_count = SEEDS, .radius = 0.2},
+                 NULL, out);
 }
 
 static enum gd_status build_to_target(void *out)
 {
-    return build_on(
-        mesh, (struct gd_field_request){.seeds = seeds, .seed_count = 1, .target = &places[9]},
-        NULL, out);
+    return build((struct gd_field_request){.seeds = seeds, .seed_count = 1, .target = &places[9]},
+                 NULL, out);
 }
 
 static enum gd_status build_in_workspace(void *out)
 {
-    return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = SEEDS},
-                    &(struct gd_control){.workspace = workspace}, out);
+    return build((struct gd_field_request){.seeds = seeds, .seed_count = SEEDS},
+                 &(struct gd_control){.workspace = workspace}, out);
 }
 
 static enum gd_status build_from_spares(void *out)
@@ -238,43 +227,6 @@ static enum gd_status build_from_spares(void *out)
 static void trim(void)
 {
     gd_workspace_trim(workspace);
-}
-
-struct task {
-    void (*run)(void *context, uint32_t index);
-    void *context;
-    uint32_t index;
-};
-
-static void *run_task(void *user)
-{
-    const struct task *task = user;
-    task->run(task->context, task->index);
-    return NULL;
-}
-
-static void run_on_threads(void *user, void (*run)(void *context, uint32_t index), void *context,
-                           uint32_t count)
-{
-    pthread_t threads[8];
-    struct task tasks[8] = {0};
-    (void)user;
-    for (uint32_t i = 0; i < count; i++) {
-        tasks[i] = (struct task){run, context, i};
-        if (i) assert_int_equal(pthread_create(&threads[i], NULL, run_task, &tasks[i]), 0);
-    }
-    run_task(&tasks[0]);
-    for (uint32_t i = 1; i < count; i++) pthread_join(threads[i], NULL);
-}
-
-static const struct gd_executor two = {.width = 2, .run = run_on_threads};
-
-static enum gd_status build_on_two(void *out)
-{
-    return build_on(large,
-                    (struct gd_field_request){.seeds = &(struct gd_seed){.point = {.element = 100}},
-                                              .seed_count = 1},
-                    &(struct gd_control){.executor = &two}, out);
 }
 
 static enum gd_status build_distances(void *out)
@@ -360,7 +312,6 @@ static const struct operation items[] = {
     {"field to a target", &a_field, build_to_target, GD_OK, NULL},
     {"field in a workspace", &a_field, build_in_workspace, GD_OK, trim},
     {"field from spare memory", &a_field, build_from_spares, GD_OK, NULL},
-    {"field by two threads", &a_field, build_on_two, GD_OK, NULL},
     {"distances without a field", &at_vertices, build_distances, GD_OK, NULL},
     {"field resumed", &a_field, resume, GD_OK, NULL},
     {"field within a radius", &a_field, within, GD_OK, NULL},

@@ -11,7 +11,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "gd/executor.h"
 #include "gd/status.h"
 
 GD_EXTERN_C_BEGIN
@@ -25,9 +24,6 @@ struct gd_control {
     bool (*progress)(void *user, double fraction);
     void *user;
     struct gd_workspace *workspace; /* memory reused between calls, gd/workspace.h; may be NULL */
-    /* Threads for parallel functions: gd_read_polygons, gd_mesh_build, gd_field_build,
-       gd_field_resume and functions that call them. NULL means only the calling thread. */
-    const struct gd_executor *executor;
 };
 
 /* Returns the time of the monotonic clock in nanoseconds. Thread-safe. */

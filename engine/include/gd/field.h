@@ -43,10 +43,8 @@ struct gd_field_request {
 /* Builds the exact distance field of the seeds: propagates wedges and keeps the final ones.
  * Segments have linear wedges, so that distances from segments are as exact as distances from
  * points (D. Bommes and L. Kobbelt, "Accurate computation of geodesic distance fields for polygonal
- * curves on triangle meshes", 2007). `control` and `detail` may be NULL. With an executor of width
- * 2 or more in `control`, two tasks divide the propagation on a large surface between them
- * (partition/partition.h). The result is then still deterministic, and differs from the result of
- * one task only by rounding. The caller owns one reference of `*out`. Errors: GD_INVALID_ARGUMENT
+ * curves on triangle meshes", 2007). `control` and `detail` may be NULL. The result is the same, to
+ * the last bit, in every call. The caller owns one reference of `*out`. Errors: GD_INVALID_ARGUMENT
  * (no seed, an offset that is negative or not finite, a segment whose ends are one point or have no
  * common face), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY (far more windows
  * than any real mesh needs), GD_INTERNAL (the distances of two neighbours differ by more than the
@@ -69,11 +67,9 @@ GD_MUST_USE enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
 /* Extends a partial field to `radius` (0 means no limit): copies the wedges of `partial` and
  * propagates beyond its reach. `partial` does not change. The distances equal those of a field
  * built for the radius, up to rounding. The statistics count the work for `partial` and for the
- * extension. `control` and `detail` may be NULL. In two cases the function builds the field from
- * the seeds instead. This is faster if `control` has an executor of width 2 or more, at least half
- * of the vertices lie beyond the reach, and gd_field_build would divide the propagation between two
- * tasks. It is more accurate if the reach is below 1e-3 of the longest edge, or the shortest edge
- * is below 1e-6 of the longest. The caller owns one reference of `*out`. Errors:
+ * extension. `control` and `detail` may be NULL. If the reach is below 1e-3 of the longest edge, or
+ * the shortest edge is below 1e-6 of the longest, the function builds the field from the seeds
+ * instead, which is more accurate. The caller owns one reference of `*out`. Errors:
  * GD_INVALID_ARGUMENT (the radius is negative or not a number, `partial` already reaches that far,
  * or `partial` comes from a damaged image), and those of gd_field_build except for the request.
  * Cost: a copy of `partial`, and the propagation beyond it. Thread-safe. */

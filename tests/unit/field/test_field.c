@@ -502,38 +502,6 @@ static void several_seeds(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Runs the tasks from the last to the first. */
-static void backwards(void *user, void (*task)(void *context, uint32_t index), void *context,
-                      uint32_t count)
-{
-    *(uint32_t *)user += count;
-    while (count--) task(context, count);
-}
-
-static void an_executor_changes_nothing(void **state)
-{
-    (void)state;
-    struct gd_polygons polygons;
-    check_ok(sample_terrain(64, 0.3, 7, &polygons), NULL);
-    struct gd_mesh *mesh = test_mesh(&polygons);
-    struct gd_seed seed = {.point = test_vertex(mesh, 5)};
-    struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
-    uint32_t tasks = 0;
-    struct gd_executor executor = {.width = 2, .run = backwards, .user = &tasks};
-    struct gd_field *a, *b;
-    check_ok(gd_field_build(mesh, &request, NULL, &a, NULL), NULL);
-    check_ok(gd_field_build(mesh, &request, &(struct gd_control){.executor = &executor}, &b, NULL),
-             NULL);
-    assert_int_equal(a->wedge_bytes, b->wedge_bytes);
-    assert_memory_equal(a->wedges, b->wedges, a->wedge_bytes);
-    assert_memory_equal(a->newest, b->newest, mesh->edge_count * sizeof *a->newest);
-    assert_memory_equal(a->distance, b->distance, mesh->vertex_count * sizeof *a->distance);
-    gd_field_release(a);
-    gd_field_release(b);
-    gd_mesh_release(mesh);
-    gd_polygons_free(&polygons);
-}
-
 /* A computation of distances only, without wedges, gives the distances of a field. It treats
  * radius, unreferenced vertices and errors like a field. */
 static void distances_only(void **state)
@@ -589,7 +557,6 @@ int main(void)
         cmocka_unit_test(partial_fields_answer_only_what_is_final),
         cmocka_unit_test(budget_deadline_and_cancel),
         cmocka_unit_test(several_seeds),
-        cmocka_unit_test(an_executor_changes_nothing),
         cmocka_unit_test(distances_only),
         cmocka_unit_test(distances_only_equal_those_of_a_field),
     };

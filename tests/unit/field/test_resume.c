@@ -145,50 +145,6 @@ static void continues_where_it_ended(void **state)
     gd_field_release(rest);
 }
 
-static void run_in_turn(void *user, void (*task)(void *context, uint32_t index), void *context,
-                        uint32_t count)
-{
-    for (uint32_t i = 0; i < count; i++) task(context, i);
-    ++*(uint32_t *)user;
-}
-
-/* Counts the runs of the executor when a field with this radius on a sphere is resumed to its
- * end. */
-static uint32_t turns_after(const struct gd_mesh *ball, double radius)
-{
-    uint32_t turns = 0;
-    const struct gd_executor executor = {.width = 2, .run = run_in_turn, .user = &turns};
-    struct gd_seed seed = {.offset = 0.5};
-    check_ok(gd_point_at_vertex(ball, (struct gd_vertex){7}, &seed.point, NULL), NULL);
-    struct gd_field *near, *whole;
-    check_ok(gd_field_build(
-                 ball,
-                 &(struct gd_field_request){.seeds = &seed, .seed_count = 1, .radius = radius},
-                 NULL, &near, NULL),
-             NULL);
-    check_ok(gd_field_resume(near, 0, &(struct gd_control){.executor = &executor}, &whole, NULL),
-             NULL);
-    double distance;
-    check_ok(gd_field_distance(whole, &seed.point, &distance), NULL);
-    check_close(distance, 0.5, 1e-15);
-    gd_field_release(near);
-    gd_field_release(whole);
-    return turns;
-}
-
-/* With an executor, a small field is rebuilt by two tasks instead of resumed. */
-static void an_executor_rebuilds_small_fields(void **state)
-{
-    (void)state;
-    struct gd_polygons triangles;
-    check_ok(sample_icosphere(5, 1, &triangles), NULL);
-    struct gd_mesh *ball = test_mesh(&triangles);
-    assert_true(turns_after(ball, 0.5 + 0.7) > 1);
-    assert_int_equal(turns_after(ball, 0.5 + 2.5), 0);
-    gd_mesh_release(ball);
-    gd_polygons_free(&triangles);
-}
-
 /* --- a field within a smaller reach ----------------------------------------------------------- */
 
 /* Checks that the view answers like a field that was built for this radius. */
@@ -379,7 +335,6 @@ int main(void)
         cmocka_unit_test(a_radius_within_reach_is_refused),
         cmocka_unit_test(reports_reach_and_work),
         cmocka_unit_test(continues_where_it_ended),
-        cmocka_unit_test(an_executor_rebuilds_small_fields),
         cmocka_unit_test(a_view_has_a_smaller_reach),
         cmocka_unit_test(the_partial_field_stays),
         cmocka_unit_test(a_field_from_an_image_is_resumed),

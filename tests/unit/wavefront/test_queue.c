@@ -36,7 +36,7 @@ static void push(uint32_t node, double key)
 static uint32_t pop(void)
 {
     for (;;) {
-        uint32_t node = gd__queue_pop(queue, GD_NONE);
+        uint32_t node = gd__queue_pop(queue);
         if (node == GD_NONE) return GD_NONE;
         if (waiting[node] != queue->current) continue;
         waiting[node] = GD_NONE;
@@ -206,27 +206,6 @@ static void clears(void **state)
     gd__queue_destroy(NULL);
 }
 
-/* Pops stop before the given bucket and continue from there. Late entries go to the current
- * bucket. */
-static void stops_before_a_bucket(void **state)
-{
-    (void)state;
-    gd__queue_set_width(queue, 1);
-    assert_int_equal(gd__queue_first(queue), GD_NONE);
-    push(1, 2.5);
-    push(2, 7.5);
-    assert_int_equal(gd__queue_first(queue), 2);
-    assert_int_equal(gd__queue_pop(queue, 2), GD_NONE);
-    assert_int_equal(gd__queue_pop(queue, 3), 1);
-    assert_int_equal(gd__queue_pop(queue, 7), GD_NONE);
-    assert_int_equal(gd__queue_first(queue), 7);
-    push(3, 0.5);
-    assert_int_equal(gd__queue_pop(queue, 7), 3);
-    assert_int_equal(gd__queue_pop(queue, 7), GD_NONE);
-    assert_int_equal(gd__queue_pop(queue, 8), 2);
-    assert_int_equal(gd__queue_pop(queue, GD_NONE), GD_NONE);
-}
-
 #define WITH_QUEUE(test) cmocka_unit_test_setup_teardown(test, open_queue, close_queue)
 
 int main(void)
@@ -242,7 +221,6 @@ int main(void)
         WITH_QUEUE(peeks_at_what_comes_next),
         WITH_QUEUE(keeps_every_node_once),
         WITH_QUEUE(clears),
-        WITH_QUEUE(stops_before_a_bucket),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,7 +3,7 @@
 #include "tests/support/test.h"
 
 #include "tests/samples/samples.h"
-#include "partition/partition.h"
+#include "wavefront/wavefront.h"
 
 static struct gd_polygons polygons;
 static struct gd_mesh *mesh;
@@ -39,7 +39,7 @@ static enum gd_status run(uint64_t work_limit, struct gd_workspace *workspace, u
         .seeds = &seed, .seed_count = 1, .radius = GD__FAR, .work_limit = work_limit};
     struct gd__sink sink = {.take = count_work, .user = work};
     struct gd_control control = {.workspace = workspace};
-    return gd__wavefront_run(mesh, &propagation, &sink, &control, NULL);
+    return gd__wavefront_run(mesh, &propagation, &sink, &control);
 }
 
 /* A run beyond its work limit fails with GD_RUNAWAY and does not call its sink. The next run in the
