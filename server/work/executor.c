@@ -1,13 +1,11 @@
 #include "server/work/executor.h"
 
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 
 #include "gd/control.h"
 #include "server/base/thread.h"
 
-#define SPINS      20000   /* number of spins before a thread sleeps: about ten microseconds */
 #define SLEEP_NS   1000000 /* longest sleep before a helper checks the queue of jobs */
 #define QUANTUM_NS 1000000 /* time after which a helper yields to waiting jobs */
 
@@ -25,7 +23,6 @@ struct executor {
 
     pthread_mutex_t lock;
     pthread_cond_t change;
-    atomic_uint change_count; /* increases with each signal of `change` */
     void (*task)(void *context, uint32_t index);
     void *context;
     /* tasks of the current run: their number, the next one to begin, the number of running ones */
@@ -45,23 +42,10 @@ static void executor_release(struct executor *executor)
     free(executor);
 }
 
-/* The caller holds the lock. */
-static void executor_signal(struct executor *executor)
-{
-    atomic_fetch_add(&executor->change_count, 1);
-    pthread_cond_broadcast(&executor->change);
-}
-
-/* Waits for a signal, for about a millisecond at most. Releases the lock meanwhile. */
+/* Waits for a signal, at most SLEEP_NS. Releases the lock meanwhile. */
 static void executor_wait(struct executor *executor)
 {
-    unsigned seen = atomic_load(&executor->change_count);
-    pthread_mutex_unlock(&executor->lock);
-    for (int spin = 0; spin < SPINS; spin++)
-        if (atomic_load_explicit(&executor->change_count, memory_order_relaxed) != seen) break;
-    pthread_mutex_lock(&executor->lock);
-    if (atomic_load(&executor->change_count) == seen)
-        (void)server_condition_wait(&executor->change, &executor->lock, gd_now_ns() + SLEEP_NS);
+    (void)server_condition_wait(&executor->change, &executor->lock, gd_now_ns() + SLEEP_NS);
 }
 
 /* Runs the next task. Releases the lock meanwhile. */
@@ -74,7 +58,7 @@ static void executor_run_task(struct executor *executor)
     /* a helper checks no control, so its priority is adjusted here */
     (void)server_workers_go_on(executor->workers);
     pthread_mutex_lock(&executor->lock);
-    if (--executor->running == 0) executor_signal(executor);
+    if (--executor->running == 0) pthread_cond_broadcast(&executor->change);
 }
 
 /* The job of a helper: runs tasks until the executor stops. If other jobs need the worker, queues
@@ -111,7 +95,7 @@ static void executor_run(void *user, void (*task)(void *context, uint32_t index)
     executor->context = context;
     executor->count = count;
     executor->next = 0;
-    executor_signal(executor);
+    pthread_cond_broadcast(&executor->change);
     while (executor->next < executor->count) executor_run_task(executor);
     while (executor->running) executor_wait(executor);
 }
@@ -144,7 +128,7 @@ void server_executor_stop(const struct gd_executor *base)
     struct executor *executor = base->user;
     pthread_mutex_lock(&executor->lock);
     executor->is_stopped = true;
-    executor_signal(executor);
+    pthread_cond_broadcast(&executor->change);
     pthread_mutex_unlock(&executor->lock);
     executor_release(executor);
 }

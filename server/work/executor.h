@@ -1,13 +1,13 @@
 /* Executor: lends idle workers to the parallel tasks of one job.
  *
  *     const struct gd_executor *executor = server_executor_start(workers, width, deadline_ns);
- *     ... gd_field_build(mesh, &request, &(struct gd_control){.executor = executor}, &field, NULL)
+ *     gd_executor_run(executor, row_run, matrix, rows);
  *     server_executor_stop(executor);
  *
  * DESIGN. The executor queues one helper job for each thread beyond the caller's. A helper serves
- * all runs until the executor stops, because a field build has thousands of runs, and queueing a
- * job takes as long as a run. Between runs a helper spins for some microseconds, then it sleeps. If
- * other jobs wait, a helper that has run for a millisecond is queued again behind them.
+ * all runs until the executor stops, because some calls, such as splines, have several runs.
+ * Between runs a helper sleeps. If other jobs wait, a helper that has run for a millisecond is
+ * queued again behind them.
  *
  * The caller runs every task that no helper has begun, so a run also ends without helpers. Caller
  * and helpers share the executor by reference counting. So a helper that leaves the queue after the

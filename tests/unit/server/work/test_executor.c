@@ -181,9 +181,9 @@ static void refused_helpers_leave_all_tasks_to_the_thread(void **state)
     sem_destroy(&gate);
 }
 
-/* Runs of two tasks, as in a field build. Each task computes its sum from the other's sum of the
- * preceding run, so a skipped, repeated or misplaced task changes the sums. */
-enum { RUNS = 2000 };
+/* Runs of two tasks. Each task computes its sum from the other's sum of the preceding run, so a
+ * skipped, repeated or misplaced task changes the sums. */
+enum { RUNS = 500 };
 
 struct sums {
     uint64_t before[2], after[2];
@@ -196,7 +196,7 @@ static void add(void *context, uint32_t index)
     struct sums *sums = context;
     sums->after[index] = 3 * sums->before[1 - index] + index + 1;
     sums->thread[index] = pthread_self();
-    for (uint64_t end = gd_now_ns() + 5000; gd_now_ns() < end;) continue;
+    for (uint64_t end = gd_now_ns() + 20000; gd_now_ns() < end;) continue;
 }
 
 static void check_runs(const struct gd_executor *executor, struct sums *sums)
@@ -234,7 +234,7 @@ static void one_executor_serves_many_runs(void **state)
     check_runs_of_two(executor, &sums);
     print_message("# %u of %d runs by two threads\n", sums.other_thread, RUNS);
     const struct timespec pause = {.tv_nsec = 2000000};
-    nanosleep(&pause, NULL); /* long enough for the helper to fall asleep */
+    nanosleep(&pause, NULL); /* longer than a helper's sleep */
     check_runs_of_two(executor, &sums);
     server_executor_stop(executor);
     server_workers_destroy(workers);
