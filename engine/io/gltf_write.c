@@ -1,53 +1,25 @@
 /* Writes glTF (gltf_write.h). The data is, in this order: positions, indices, colours, distances,
- * points of the lines, data of the moving object (gltf_motion.h). Each kind has one view and one
- * accessor, except that each line has its own accessor. */
+ * points of the lines, data of the moving object (gltf_motion.h), data of the layers
+ * (gltf_layers.h). Each kind has one view and one accessor, except that each line and each layer
+ * has its own accessor. */
 #include "io/gltf_write.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "gd/colour_map.h"
 #include "io/base64.h"
+#include "io/gltf_layers.h"
 #include "io/gltf_motion.h"
 
 #define CHUNK_JSON   UINT32_C(0x4E4F534A)
 #define CHUNK_BINARY UINT32_C(0x004E4942)
 
-enum { TYPE_SHORT = 5123, TYPE_INT = 5125, TYPE_FLOAT = 5126 };
-enum { TARGET_VERTICES = 34962, TARGET_INDICES = 34963 };
-enum { MOTION_VIEWS = 5 }; /* of the moving object, each with one accessor */
+enum { MOTION_ACCESSORS = 5 }; /* of the moving object, each with one view */
 
 /* Grey, for vertices whose distance is unknown. */
 static const struct gd_colour unknown = {0.5, 0.5, 0.5};
 
-struct box {
-    double min[3], max[3];
-};
-
-struct writing {
-    const struct gd_result *result;
-    double origin[3];                      /* the origin, which is subtracted from all positions */
-    double largest;                        /* largest distance */
-    uint32_t keys;                         /* of the moving object; 0 if there is none */
-    uint32_t views, accessors, primitives; /* written so far */
-    uint64_t bytes;                        /* total bytes of the views written so far */
-    struct gd__output *json, *binary;
-};
-
 /* --- the origin ------------------------------------------------------------------------------- */
-
-static const struct box empty_box = {{INFINITY, INFINITY, INFINITY},
-                                     {-INFINITY, -INFINITY, -INFINITY}};
-
-static void widen(struct box *box, const double (*positions)[3], size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        for (int axis = 0; axis < 3; axis++) {
-            box->min[axis] = fmin(box->min[axis], positions[i][axis]);
-            box->max[axis] = fmax(box->max[axis], positions[i][axis]);
-        }
-    }
-}
 
 static bool are_floats(const double (*positions)[3], size_t count)
 {
@@ -85,16 +57,20 @@ static double round_centre(double min, double max, double size)
 /* Chooses the origin. It is zero if floats represent all positions exactly, so that a reader gets
  * the same positions. Otherwise it is near the middle of the box. This keeps the coordinates
  * relative to the origin small, so that they lose little by rounding to floats. */
-static void find_origin(struct writing *writing)
+static void find_origin(struct gd__gltf_writing *writing)
 {
     const struct gd_result *result = writing->result;
     const double(*positions)[3] = mesh_positions(result);
-    struct box box = empty_box;
-    if (are_floats(positions, mesh_count(result)) &&
-        are_floats(result->points, point_count(result)))
-        return;
-    widen(&box, positions, mesh_count(result));
-    widen(&box, result->points, point_count(result));
+    struct gd__gltf_box box = gd__gltf_empty_box;
+    bool are_exact = are_floats(positions, mesh_count(result)) &&
+                     are_floats(result->points, point_count(result));
+    for (uint32_t i = 0; are_exact && i < result->layer_count; i++)
+        are_exact = are_floats(result->layers[i].points, gd__gltf_layer_points(&result->layers[i]));
+    if (are_exact) return;
+    gd__gltf_widen(&box, positions, mesh_count(result));
+    gd__gltf_widen(&box, result->points, point_count(result));
+    for (uint32_t i = 0; i < result->layer_count; i++)
+        gd__gltf_widen(&box, result->layers[i].points, gd__gltf_layer_points(&result->layers[i]));
     double size = 0;
     for (int axis = 0; axis < 3; axis++) size = fmax(size, box.max[axis] - box.min[axis]);
     for (int axis = 0; axis < 3; axis++)
@@ -103,40 +79,9 @@ static void find_origin(struct writing *writing)
                                     : box.min[axis] / 2 + box.max[axis] / 2;
 }
 
-static float from_origin(const struct writing *writing, const double position[3], int axis)
-{
-    return (float)(position[axis] - writing->origin[axis]);
-}
-
-/* Computes the box of the positions after they are rounded to floats. Returns false if a position
- * is beyond the range of floats. */
-static bool float_box(const struct writing *writing, const double (*positions)[3], size_t count,
-                      struct box *out)
-{
-    struct box box = empty_box;
-    for (size_t i = 0; i < count; i++) {
-        double written[1][3];
-        for (int axis = 0; axis < 3; axis++) {
-            written[0][axis] = (double)from_origin(writing, positions[i], axis);
-            if (!isfinite(written[0][axis] + writing->origin[axis])) return false;
-        }
-        widen(&box, (const double(*)[3])written, 1);
-    }
-    *out = box;
-    return true;
-}
-
 /* --- data ------------------------------------------------------------------------------------- */
 
-static void write_positions(const struct writing *writing, const double (*positions)[3],
-                            size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        for (int axis = 0; axis < 3; axis++)
-            gd__output_f32(writing->binary, from_origin(writing, positions[i], axis));
-}
-
-static void write_indices(const struct writing *writing)
+static void write_indices(const struct gd__gltf_writing *writing)
 {
     const struct gd_polygons *mesh = writing->result->mesh;
     for (uint32_t corner = 0; corner < gd_polygons_corner_count(mesh); corner++)
@@ -148,7 +93,7 @@ static uint64_t as_short(double component)
     return (uint64_t)lrint(component * 65535);
 }
 
-static void write_colours(const struct writing *writing)
+static void write_colours(const struct gd__gltf_writing *writing)
 {
     for (uint32_t i = 0; i < writing->result->mesh->position_count; i++) {
         double distance = writing->result->distances[i];
@@ -161,7 +106,7 @@ static void write_colours(const struct writing *writing)
     }
 }
 
-static void write_distances(const struct writing *writing)
+static void write_distances(const struct gd__gltf_writing *writing)
 {
     for (uint32_t i = 0; i < writing->result->mesh->position_count; i++) {
         float distance = (float)writing->result->distances[i];
@@ -177,21 +122,21 @@ static size_t strip_points(const struct gd_result *result, uint32_t line)
     return count > 1 ? count : 2;
 }
 
-static void write_lines(const struct writing *writing)
+static void write_lines(const struct gd__gltf_writing *writing)
 {
     const struct gd_result *result = writing->result;
     for (uint32_t line = 0; line < result->line_count; line++) {
         uint32_t begin = result->first[line], count = result->first[line + 1] - begin;
-        write_positions(writing, result->points + begin, count);
-        if (count == 1) write_positions(writing, result->points + begin, 1);
+        gd__gltf_write_positions(writing, result->points + begin, count);
+        if (count == 1) gd__gltf_write_positions(writing, result->points + begin, 1);
     }
 }
 
-static void write_binary(const struct writing *writing)
+static void write_binary(const struct gd__gltf_writing *writing)
 {
     const struct gd_result *result = writing->result;
     if (result->mesh) {
-        write_positions(writing, mesh_positions(result), mesh_count(result));
+        gd__gltf_write_positions(writing, mesh_positions(result), mesh_count(result));
         write_indices(writing);
     }
     if (result->distances) {
@@ -200,242 +145,211 @@ static void write_binary(const struct writing *writing)
     }
     write_lines(writing);
     if (writing->keys) gd__motion_write(writing->binary, result, writing->origin);
+    gd__gltf_layer_data(writing);
 }
 
 /* --- the document ----------------------------------------------------------------------------- */
 
-static void text(struct writing *writing, const char *text)
-{
-    gd__output_text(writing->json, text);
-}
-
-/* Writes a number with its key. `key` includes its quotes, its colon and the separator before
- * it. */
-static void member(struct writing *writing, const char *key, uint64_t value)
-{
-    text(writing, key);
-    gd__output_integer(writing->json, value);
-}
-
-static void triple(struct writing *writing, const char *key, const double values[3])
-{
-    text(writing, key);
-    for (int axis = 0; axis < 3; axis++) {
-        text(writing, axis ? "," : "[");
-        gd__output_double(writing->json, values[axis]);
-    }
-    text(writing, "]");
-}
-
-/* Writes a view. `stride` is the number of bytes from element to element, required if several
- * accessors share the view; 0 if not written. `target` is 0 for data of an animation. */
-static void describe_view(struct writing *writing, uint64_t size, unsigned stride, unsigned target)
-{
-    text(writing, writing->views++ ? ",{\"buffer\":0" : "{\"buffer\":0");
-    member(writing, ",\"byteOffset\":", writing->bytes);
-    member(writing, ",\"byteLength\":", size);
-    if (stride) member(writing, ",\"byteStride\":", stride);
-    if (target) member(writing, ",\"target\":", target);
-    text(writing, "}");
-    writing->bytes += size;
-}
-
-static void describe_motion_views(struct writing *writing)
+static void describe_motion_views(struct gd__gltf_writing *writing)
 {
     uint64_t keys = writing->keys;
-    describe_view(writing, GD__AXIS_POINTS * GD__POSITION_BYTES, 0, TARGET_VERTICES);
-    describe_view(writing, GD__AXIS_POINTS * GD__COLOUR_BYTES, 0, TARGET_VERTICES);
-    describe_view(writing, keys * GD__TIME_BYTES, 0, 0);
-    describe_view(writing, keys * GD__POSITION_BYTES, 0, 0);
-    describe_view(writing, keys * GD__QUATERNION_BYTES, 0, 0);
+    gd__gltf_view(writing, GD__AXIS_POINTS * GD__POSITION_BYTES, 0, GD__GLTF_VERTICES);
+    gd__gltf_view(writing, GD__AXIS_POINTS * GD__COLOUR_BYTES, 0, GD__GLTF_VERTICES);
+    gd__gltf_view(writing, keys * GD__TIME_BYTES, 0, 0);
+    gd__gltf_view(writing, keys * GD__POSITION_BYTES, 0, 0);
+    gd__gltf_view(writing, keys * GD__QUATERNION_BYTES, 0, 0);
 }
 
-static void describe_views(struct writing *writing)
+static void describe_views(struct gd__gltf_writing *writing)
 {
     const struct gd_result *result = writing->result;
     uint64_t vertices = mesh_count(result), points = 0;
     for (uint32_t line = 0; line < result->line_count; line++) points += strip_points(result, line);
-    text(writing, ",\"bufferViews\":[");
+    gd__gltf_text(writing, ",\"bufferViews\":[");
     if (result->mesh) {
-        describe_view(writing, 12 * vertices, 0, TARGET_VERTICES);
-        describe_view(writing, 4 * (uint64_t)gd_polygons_corner_count(result->mesh), 0,
-                      TARGET_INDICES);
+        gd__gltf_view(writing, 12 * vertices, 0, GD__GLTF_VERTICES);
+        gd__gltf_view(writing, 4 * (uint64_t)gd_polygons_corner_count(result->mesh), 0,
+                      GD__GLTF_INDICES);
     }
     if (result->distances) {
-        describe_view(writing, 8 * vertices, 0, TARGET_VERTICES);
-        describe_view(writing, 4 * vertices, 0, TARGET_VERTICES);
+        gd__gltf_view(writing, 8 * vertices, 0, GD__GLTF_VERTICES);
+        gd__gltf_view(writing, 4 * vertices, 0, GD__GLTF_VERTICES);
     }
     if (points)
-        describe_view(writing, 12 * points, result->line_count > 1 ? 12 : 0, TARGET_VERTICES);
+        gd__gltf_view(writing, 12 * points, result->line_count > 1 ? 12 : 0, GD__GLTF_VERTICES);
     if (writing->keys) describe_motion_views(writing);
-    text(writing, "]");
+    gd__gltf_layer_views(writing);
+    gd__gltf_text(writing, "]");
 }
 
-/* Writes an accessor up to its type, which the caller writes. */
-static void begin_accessor(struct writing *writing, uint32_t view, uint64_t offset, unsigned type,
-                           uint64_t count)
-{
-    text(writing, writing->accessors++ ? ",{" : "{");
-    member(writing, "\"bufferView\":", view);
-    if (offset) member(writing, ",\"byteOffset\":", offset);
-    member(writing, ",\"componentType\":", type);
-    member(writing, ",\"count\":", count);
-}
-
-/* Writes the accessor of positions. Returns false if a position is beyond the range of floats. */
-static bool describe_positions(struct writing *writing, uint32_t view, uint64_t offset,
-                               const double (*positions)[3], size_t count, size_t written)
-{
-    struct box box;
-    if (!float_box(writing, positions, count, &box)) return false;
-    begin_accessor(writing, view, offset, TYPE_FLOAT, written);
-    text(writing, ",\"type\":\"VEC3\"");
-    triple(writing, ",\"min\":", box.min);
-    triple(writing, ",\"max\":", box.max);
-    text(writing, "}");
-    return true;
-}
-
-static bool describe_mesh(struct writing *writing)
+static bool describe_mesh(struct gd__gltf_writing *writing)
 {
     const struct gd_result *result = writing->result;
     size_t count = mesh_count(result);
-    if (!describe_positions(writing, 0, 0, mesh_positions(result), count, count)) return false;
-    begin_accessor(writing, 1, 0, TYPE_INT, gd_polygons_corner_count(result->mesh));
-    text(writing, ",\"type\":\"SCALAR\"}");
+    if (!gd__gltf_positions(writing, 0, 0, mesh_positions(result), count, count)) return false;
+    gd__gltf_accessor_begin(writing, 1, 0, GD__GLTF_INT, gd_polygons_corner_count(result->mesh));
+    gd__gltf_text(writing, ",\"type\":\"SCALAR\"}");
     if (!result->distances) return true;
-    begin_accessor(writing, 2, 0, TYPE_SHORT, count);
-    text(writing, ",\"normalized\":true,\"type\":\"VEC4\"}");
-    begin_accessor(writing, 3, 0, TYPE_FLOAT, count);
-    text(writing, ",\"type\":\"SCALAR\"}");
+    gd__gltf_accessor_begin(writing, 2, 0, GD__GLTF_SHORT, count);
+    gd__gltf_text(writing, ",\"normalized\":true,\"type\":\"VEC4\"}");
+    gd__gltf_accessor_begin(writing, 3, 0, GD__GLTF_FLOAT, count);
+    gd__gltf_text(writing, ",\"type\":\"SCALAR\"}");
     return true;
 }
 
 /* `view` is the first view of the moving object. */
-static void describe_motion_accessors(struct writing *writing, uint32_t view)
+static void describe_motion_accessors(struct gd__gltf_writing *writing, uint32_t view)
 {
     double length = (double)gd__motion_axis(writing->result);
-    begin_accessor(writing, view, 0, TYPE_FLOAT, GD__AXIS_POINTS);
-    triple(writing, ",\"type\":\"VEC3\",\"min\":", (const double[]){0, 0, 0});
-    triple(writing, ",\"max\":", (const double[]){length, length, length});
-    text(writing, "}");
-    begin_accessor(writing, view + 1, 0, TYPE_SHORT, GD__AXIS_POINTS);
-    text(writing, ",\"normalized\":true,\"type\":\"VEC4\"}");
-    begin_accessor(writing, view + 2, 0, TYPE_FLOAT, writing->keys);
-    member(writing, ",\"type\":\"SCALAR\",\"min\":[0],\"max\":[", GD_RESULT_SECONDS);
-    text(writing, "]}");
-    begin_accessor(writing, view + 3, 0, TYPE_FLOAT, writing->keys);
-    text(writing, ",\"type\":\"VEC3\"}");
-    begin_accessor(writing, view + 4, 0, TYPE_FLOAT, writing->keys);
-    text(writing, ",\"type\":\"VEC4\"}");
+    gd__gltf_accessor_begin(writing, view, 0, GD__GLTF_FLOAT, GD__AXIS_POINTS);
+    gd__gltf_triple(writing, ",\"type\":\"VEC3\",\"min\":", (const double[]){0, 0, 0});
+    gd__gltf_triple(writing, ",\"max\":", (const double[]){length, length, length});
+    gd__gltf_text(writing, "}");
+    gd__gltf_accessor_begin(writing, view + 1, 0, GD__GLTF_SHORT, GD__AXIS_POINTS);
+    gd__gltf_text(writing, ",\"normalized\":true,\"type\":\"VEC4\"}");
+    gd__gltf_accessor_begin(writing, view + 2, 0, GD__GLTF_FLOAT, writing->keys);
+    gd__gltf_member(writing, ",\"type\":\"SCALAR\",\"min\":[0],\"max\":[", GD_RESULT_SECONDS);
+    gd__gltf_text(writing, "]}");
+    gd__gltf_accessor_begin(writing, view + 3, 0, GD__GLTF_FLOAT, writing->keys);
+    gd__gltf_text(writing, ",\"type\":\"VEC3\"}");
+    gd__gltf_accessor_begin(writing, view + 4, 0, GD__GLTF_FLOAT, writing->keys);
+    gd__gltf_text(writing, ",\"type\":\"VEC4\"}");
 }
 
-static bool describe_accessors(struct writing *writing)
+static bool describe_accessors(struct gd__gltf_writing *writing)
 {
     const struct gd_result *result = writing->result;
-    uint32_t lines = writing->views - 1 - (writing->keys ? MOTION_VIEWS : 0);
+    uint32_t lines = (result->mesh ? 2 : 0) + (result->distances ? 2 : 0),
+             motion = lines + (result->line_count > 0),
+             layers = motion + (writing->keys ? MOTION_ACCESSORS : 0);
     bool fits = true;
     uint64_t offset = 0;
-    text(writing, ",\"accessors\":[");
+    gd__gltf_text(writing, ",\"accessors\":[");
     if (result->mesh) fits = describe_mesh(writing);
     for (uint32_t line = 0; fits && line < result->line_count; line++) {
         uint32_t begin = result->first[line], count = result->first[line + 1] - begin;
         size_t written = strip_points(result, line);
-        fits = describe_positions(writing, lines, offset, result->points + begin, count, written);
+        fits = gd__gltf_positions(writing, lines, offset, result->points + begin, count, written);
         offset += 12 * written;
     }
-    if (fits && writing->keys) describe_motion_accessors(writing, lines + 1);
-    text(writing, "]");
+    if (fits && writing->keys) describe_motion_accessors(writing, motion);
+    if (fits) fits = gd__gltf_layer_accessors(writing, layers);
+    gd__gltf_text(writing, "]");
     return fits;
 }
 
-static void write_level(struct writing *writing, double level)
+static void write_level(struct gd__gltf_writing *writing, double level)
 {
-    text(writing, ",\"extras\":{\"level\":");
+    gd__gltf_text(writing, ",\"extras\":{\"level\":");
     gd__output_double(writing->json, level);
-    text(writing, "}");
+    gd__gltf_text(writing, "}");
 }
 
 /* Writes the mesh of the moving object. `accessor` is its first one. */
-static void describe_object(struct writing *writing, uint32_t accessor)
+static void describe_object(struct gd__gltf_writing *writing, uint32_t accessor)
 {
-    member(writing, ",{\"primitives\":[{\"attributes\":{\"POSITION\":", accessor);
-    member(writing, ",\"COLOR_0\":", accessor + UINT64_C(1));
-    text(writing, "},\"mode\":1,\"material\":2}]}");
+    gd__gltf_member(writing, ",{\"primitives\":[{\"attributes\":{\"POSITION\":", accessor);
+    gd__gltf_member(writing, ",\"COLOR_0\":", accessor + UINT64_C(1));
+    gd__gltf_text(writing, "},\"mode\":1,\"material\":2}]}");
 }
 
-static void describe_sampler(struct writing *writing, uint32_t input, uint32_t output)
+static void describe_sampler(struct gd__gltf_writing *writing, uint32_t input, uint32_t output)
 {
-    member(writing, "{\"interpolation\":\"LINEAR\",\"input\":", input);
-    member(writing, ",\"output\":", output);
-    text(writing, "}");
+    gd__gltf_member(writing, "{\"interpolation\":\"LINEAR\",\"input\":", input);
+    gd__gltf_member(writing, ",\"output\":", output);
+    gd__gltf_text(writing, "}");
 }
 
 /* `input` is the accessor of times. */
-static void describe_animation(struct writing *writing, uint32_t input)
+static void describe_animation(struct gd__gltf_writing *writing, uint32_t input)
 {
-    text(writing, ",\"animations\":[{\"name\":\"motion\",\"channels\":["
+    gd__gltf_text(writing,
+                  ",\"animations\":[{\"name\":\"motion\",\"channels\":["
                   "{\"sampler\":0,\"target\":{\"node\":1,\"path\":\"translation\"}},"
                   "{\"sampler\":1,\"target\":{\"node\":1,\"path\":\"rotation\"}}],\"samplers\":[");
     describe_sampler(writing, input, input + 1);
-    text(writing, ",");
+    gd__gltf_text(writing, ",");
     describe_sampler(writing, input, input + 2);
-    text(writing, "]}]");
+    gd__gltf_text(writing, "]}]");
 }
 
 /* Writes the scene. The moving object is a child of the first node, so that its translations, which
  * are floats, are relative to the origin. */
-static void describe_nodes(struct writing *writing)
+static void describe_nodes(struct gd__gltf_writing *writing)
 {
-    triple(writing,
-           "{\"asset\":{\"version\":\"2.0\",\"generator\":\"geodesicd\"},\"scene\":0,\"scenes\":[{"
-           "\"nodes\":[0]}],"
-           "\"nodes\":[{\"mesh\":0,\"translation\":",
-           writing->origin);
-    text(writing, writing->keys ? ",\"children\":[1]},{\"name\":\"object\",\"mesh\":1}]" : "}]");
+    gd__gltf_triple(
+        writing,
+        "{\"asset\":{\"version\":\"2.0\",\"generator\":\"geodesicd\"},\"scene\":0,\"scenes\":[{"
+        "\"nodes\":[0]}],"
+        "\"nodes\":[{\"mesh\":0,\"translation\":",
+        writing->origin);
+    uint32_t children = (writing->keys > 0) + gd__gltf_layer_count(writing->result);
+    for (uint32_t i = 1; i <= children; i++)
+        gd__gltf_member(writing, i > 1 ? "," : ",\"children\":[", i);
+    gd__gltf_text(writing, children ? "]}" : "}");
+    if (writing->keys) gd__gltf_text(writing, ",{\"name\":\"object\",\"mesh\":1}");
+    writing->nodes = 1 + (writing->keys > 0);
+    gd__gltf_layer_nodes(writing);
+    gd__gltf_text(writing, "]");
 }
 
-static void describe_scene(struct writing *writing)
+static void describe_materials(struct gd__gltf_writing *writing)
+{
+    const struct gd_result *result = writing->result;
+    gd__gltf_text(writing, ",\"materials\":[{\"name\":\"surface\",\"doubleSided\":true,"
+                           "\"pbrMetallicRoughness\":{");
+    if (result->colour && !result->distances) {
+        gd__gltf_colour(writing, result->colour);
+        gd__gltf_text(writing, ",");
+    }
+    gd__gltf_text(writing, "\"metallicFactor\":0,\"roughnessFactor\":0.9}},{\"name\":\"line\","
+                           "\"pbrMetallicRoughness\":"
+                           "{\"baseColorFactor\":[0.64,0.006,0.013,1],\"metallicFactor\":0}}");
+    if (writing->keys)
+        gd__gltf_text(writing,
+                      ",{\"name\":\"axes\",\"pbrMetallicRoughness\":{\"metallicFactor\":0}}");
+    gd__gltf_layer_materials(writing);
+    gd__gltf_text(writing, "]");
+}
+
+static void describe_scene(struct gd__gltf_writing *writing)
 {
     const struct gd_result *result = writing->result;
     uint32_t accessor = 0, primitives = 0;
     describe_nodes(writing);
-    text(writing,
-         ",\"materials\":[{\"name\":\"surface\",\"doubleSided\":true,\"pbrMetallicRoughness\":"
-         "{\"metallicFactor\":0,\"roughnessFactor\":0.9}},{\"name\":\"line\","
-         "\"pbrMetallicRoughness\":"
-         "{\"baseColorFactor\":[0.64,0.006,0.013,1],\"metallicFactor\":0}}");
-    if (writing->keys)
-        text(writing, ",{\"name\":\"axes\",\"pbrMetallicRoughness\":{\"metallicFactor\":0}}");
-    text(writing, "],\"meshes\":[{\"primitives\":[");
+    describe_materials(writing);
+    gd__gltf_text(writing, ",\"meshes\":[{\"primitives\":[");
     if (result->mesh) {
-        text(writing, "{\"attributes\":{\"POSITION\":0");
-        if (result->distances) text(writing, ",\"COLOR_0\":2,\"_DISTANCE\":3");
-        text(writing, "},\"indices\":1,\"material\":0}");
+        gd__gltf_text(writing, "{\"attributes\":{\"POSITION\":0");
+        if (result->distances) gd__gltf_text(writing, ",\"COLOR_0\":2,\"_DISTANCE\":3");
+        gd__gltf_text(writing, "},\"indices\":1,\"material\":0}");
         accessor = result->distances ? 4 : 2;
         primitives++;
     }
     for (uint32_t line = 0; line < result->line_count; line++) {
-        member(writing,
-               primitives++ ? ",{\"attributes\":{\"POSITION\":" : "{\"attributes\":{\"POSITION\":",
-               accessor++);
-        text(writing, "},\"mode\":3,\"material\":1");
+        gd__gltf_member(writing,
+                        primitives++ ? ",{\"attributes\":{\"POSITION\":"
+                                     : "{\"attributes\":{\"POSITION\":",
+                        accessor++);
+        gd__gltf_text(writing, "},\"mode\":3,\"material\":1");
         if (result->levels) write_level(writing, result->levels[line]);
-        text(writing, "}");
+        gd__gltf_text(writing, "}");
     }
-    text(writing, "]}");
+    gd__gltf_text(writing, "]}");
     if (writing->keys) describe_object(writing, accessor);
-    text(writing, "]");
+    gd__gltf_layer_meshes(writing, 2 + (writing->keys > 0),
+                          accessor + (writing->keys ? MOTION_ACCESSORS : 0));
+    gd__gltf_text(writing, "]");
     if (writing->keys) describe_animation(writing, accessor + 2);
 }
 
 /* Writes the document up to the length of its one buffer, which the caller writes. */
-static bool describe(struct writing *writing)
+static bool describe(struct gd__gltf_writing *writing)
 {
     describe_scene(writing);
     describe_views(writing);
     bool fits = describe_accessors(writing);
-    member(writing, ",\"buffers\":[{\"byteLength\":", writing->bytes);
+    gd__gltf_member(writing, ",\"buffers\":[{\"byteLength\":", writing->bytes);
     return fits;
 }
 
@@ -449,7 +363,7 @@ static double largest_distance(const struct gd_result *result)
     return largest;
 }
 
-static enum gd_status begin(struct writing *writing)
+static enum gd_status begin(struct gd__gltf_writing *writing)
 {
     const struct gd_result *result = writing->result;
     if ((!result->mesh && !result->line_count) || (result->distances && !result->mesh))
@@ -468,7 +382,7 @@ static void write_chunk_header(struct gd__output *output, uint64_t size, uint32_
     gd__output_little_endian(output, type, 4);
 }
 
-static enum gd_status join_glb(struct writing *writing)
+static enum gd_status join_glb(struct gd__gltf_writing *writing)
 {
     struct gd__output *json = writing->json, *output = writing->binary;
     gd__output_text(json, "}]}");
@@ -488,7 +402,7 @@ static enum gd_status join_glb(struct writing *writing)
 enum gd_status gd__glb_write(struct gd__output *output, const struct gd_result *result)
 {
     struct gd__output json = {0};
-    struct writing writing = {.result = result, .json = &json, .binary = output};
+    struct gd__gltf_writing writing = {.result = result, .json = &json, .binary = output};
     enum gd_status status = begin(&writing);
     if (status == GD_OK && json.failed) status = GD_NO_MEMORY;
     if (status == GD_OK) status = join_glb(&writing);
@@ -510,7 +424,7 @@ static void write_base64(struct gd__output *output, const struct gd__output *bin
 enum gd_status gd__gltf_write(struct gd__output *output, const struct gd_result *result)
 {
     struct gd__output binary = {0};
-    struct writing writing = {.result = result, .json = output, .binary = &binary};
+    struct gd__gltf_writing writing = {.result = result, .json = output, .binary = &binary};
     enum gd_status status = begin(&writing);
     if (status != GD_OK) return status;
     write_binary(&writing);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "gd/number.h"
+#include "io/gltf_layers.h"
 #include "io/gltf_write.h"
 #include "io/writers.h"
 
@@ -145,6 +146,7 @@ enum gd_status gd_write_result(const struct gd_result *result, enum gd_result_fo
  * size. */
 #define ROW_BYTES    (5 * (GD_NUMBER_SIZE + 1) + 2 * 11)
 #define CORNER_BYTES 11
+#define LAYER_ROWS   8 /* the members of a layer in the document, in rows */
 #define GROWTH       2.5
 
 size_t gd_result_cost(const struct gd_result *result)
@@ -152,6 +154,8 @@ size_t gd_result_cost(const struct gd_result *result)
     double rows = result->mesh ? result->mesh->position_count : 0;
     if (result->line_count) rows += result->first[result->line_count] + (double)result->line_count;
     rows += result->pose_count;
+    for (uint32_t i = 0; i < result->layer_count; i++)
+        rows += (double)gd__gltf_layer_points(&result->layers[i]) + LAYER_ROWS;
     double corners =
         result->mesh ? gd_polygons_corner_count(result->mesh) + (double)result->mesh->polygon_count
                      : 0;

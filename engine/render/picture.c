@@ -1,14 +1,13 @@
 #include "gd/picture.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/share.h"
-#include "gd/isoline.h"
 #include "render/depth_buffer.h"
 #include "render/layer.h"
 #include "render/legend.h"
+#include "render/request.h"
 #include "render/shade.h"
 #include "render/view.h"
 
@@ -17,7 +16,7 @@
  * they are drawn on a canvas: the image itself, or an SVG file that embeds the image. The path of a
  * picture is its first layer. */
 
-enum { GRID = 4, WIDTH = 800, HEIGHT = 600, TICKS = 6 };
+enum { GRID = 4 };
 #define LINE_TOLERANCE 0.1  /* pixels */
 #define SUBJECT_MOST   4096 /* points of layers that should be visible */
 
@@ -37,136 +36,11 @@ struct studio {
     struct gd__shade shade;
     struct gd__image image;
     struct gd__lines isolines;
-    struct gd__layer *layers;
-    uint32_t layer_count;
-    struct gd_picture_layer path; /* the layer of the picture's path */
-    struct gd_vec3 *path_points;
-    uint32_t path_first[2];
-    char path_name[48];
+    struct gd__layer_list layers;
     bool has_source; /* the field has a single source, drawn if there is no path */
     struct gd_vec3 source;
     struct gd__stage stage;
 };
-
-/* --- the request ------------------------------------------------------------------------------ */
-
-static bool is_side(uint32_t pixels)
-{
-    return pixels >= GD_PICTURE_LEAST && pixels <= GD_PICTURE_MOST;
-}
-
-static bool is_text(const char *text)
-{
-    size_t length = text ? strlen(text) : 0;
-    for (size_t i = 0; i < length; i++)
-        if (text[i] < ' ' || text[i] > '~') return false;
-    return length <= GD_PICTURE_LABEL;
-}
-
-/* Returns whether a position is near enough to be projected without overflow. */
-static bool is_near(const struct gd_mesh *mesh, struct gd_vec3 position)
-{
-    return gd_vec3_length(gd_vec3_sub(position, mesh->summary.min)) <=
-           GD_PICTURE_FARTHEST * mesh->unit;
-}
-
-static bool labels_are_sound(const struct gd_picture_layer *layer, uint32_t *labels)
-{
-    for (uint32_t i = 0; layer->labels && i < layer->count; i++) {
-        if (!layer->labels[i]) continue;
-        if (!is_text(layer->labels[i]) || ++*labels > GD_PICTURE_LABELS) return false;
-    }
-    return is_text(layer->name);
-}
-
-static bool layer_is_sound(const struct gd_picture_layer *layer, const struct gd_mesh *mesh)
-{
-    uint32_t points = layer->first ? layer->first[layer->count] : layer->count;
-    if (!(layer->width >= 0 && layer->width <= GD_PICTURE_WIDTH)) return false;
-    for (uint32_t i = 0; layer->first && i < layer->count; i++)
-        if (layer->first[i] > layer->first[i + 1]) return false;
-    for (uint32_t i = 0; i < points; i++)
-        if (!is_near(mesh, layer->points[i])) return false;
-    return true;
-}
-
-static bool layers_are_sound(const struct gd_picture *picture)
-{
-    uint32_t labels = 0;
-    if (picture->layer_count > GD_PICTURE_LAYERS) return false;
-    for (uint32_t i = 0; i < picture->layer_count; i++)
-        if (!layer_is_sound(&picture->layers[i], picture->mesh) ||
-            !labels_are_sound(&picture->layers[i], &labels))
-            return false;
-    return true;
-}
-
-static bool levels_are_sound(const struct gd_picture *picture)
-{
-    if (picture->isolines > GD_PICTURE_ISOLINES || picture->level_count > GD_PICTURE_ISOLINES)
-        return false;
-    for (uint32_t i = 0; i < picture->level_count; i++)
-        if (!(picture->levels[i] >= 0 && isfinite(picture->levels[i]))) return false;
-    return picture->isoline_width >= 0 && picture->isoline_width <= GD_PICTURE_WIDTH;
-}
-
-/* Returns false if a member is out of the range given in gd/picture.h. */
-static bool is_sound(const struct gd_picture *picture, uint32_t width, uint32_t height)
-{
-    struct gd_vec3 d = picture->direction;
-    if (!is_side(width) || !is_side(height) || (uint64_t)width * height > GD_PICTURE_PIXELS)
-        return false;
-    if (!gd_vec3_is_finite(picture->up) || !gd_vec3_is_finite(d)) return false;
-    if (picture->zoom != 0 && !(picture->zoom >= 1 && picture->zoom <= GD_PICTURE_ZOOM))
-        return false;
-    if (picture->target && !is_near(picture->mesh, *picture->target)) return false;
-    if (picture->field && gd_field_mesh(picture->field) != picture->mesh) return false;
-    if (picture->view == GD_VIEW_DIRECTION && d.x == 0 && d.y == 0 && d.z == 0) return false;
-    return levels_are_sound(picture) && layers_are_sound(picture);
-}
-
-/* --- layers ----------------------------------------------------------------------------------- */
-
-/* Makes the layer of the picture's path. */
-static enum gd_status path_open(struct studio *studio)
-{
-    const struct gd_path *path = studio->picture->path;
-    size_t bytes = path->count * sizeof *studio->path_points;
-    enum gd_status status = gd__budget_take(&studio->budget, bytes);
-    studio->path_points = status ? NULL : malloc(bytes);
-    if (!studio->path_points) return status ? status : GD_NO_MEMORY;
-    for (uint32_t i = 0; i < path->count; i++)
-        studio->path_points[i] = gd_point_position(studio->mesh, &path->points[i]);
-    snprintf(studio->path_name, sizeof studio->path_name, "path length %.9g", path->length);
-    studio->path_first[1] = path->count;
-    studio->path = (struct gd_picture_layer){.points = studio->path_points,
-                                             .first = studio->path_first,
-                                             .count = 1,
-                                             .name = studio->path_name,
-                                             .ends = GD_LINE_ENDS_MARKS};
-    return GD_OK;
-}
-
-/* Lists the path and the picture's layers. */
-static enum gd_status layers_open(struct studio *studio)
-{
-    const struct gd_picture *picture = studio->picture;
-    uint32_t has_path = picture->path != NULL, count = has_path + picture->layer_count;
-    enum gd_status status =
-        gd__budget_take(&studio->budget, (size_t)count * sizeof *studio->layers);
-    if (!status && has_path) status = path_open(studio);
-    if (status) return status;
-    studio->layers = calloc(count + (size_t)1, sizeof *studio->layers);
-    if (!studio->layers) return GD_NO_MEMORY;
-    studio->layer_count = count;
-    for (uint32_t i = 0, number = 0; i < count; i++) {
-        struct gd__layer *layer = &studio->layers[i];
-        layer->wanted = i < has_path ? &studio->path : &picture->layers[i - has_path];
-        layer->colour = gd__layer_colour(layer->wanted, number, &studio->palette);
-        number += layer->wanted->first && !layer->wanted->colour;
-    }
-    return GD_OK;
-}
 
 /* --- view ------------------------------------------------------------------------------------- */
 
@@ -185,8 +59,8 @@ static uint32_t list_points(const struct studio *studio, uint64_t stride, struct
 {
     uint64_t at = 0;
     uint32_t listed = 0;
-    for (uint32_t i = 0; i < studio->layer_count; i++) {
-        const struct gd_picture_layer *layer = studio->layers[i].wanted;
+    for (uint32_t i = 0; i < studio->layers.count; i++) {
+        const struct gd_picture_layer *layer = studio->layers.items[i].wanted;
         for (uint32_t k = 0; k < layer_points(layer); k++, at++) {
             if (at % stride) continue;
             if (out) out[listed] = inside(studio->mesh, layer->points[k]);
@@ -202,8 +76,8 @@ static enum gd_status find_subject(struct studio *studio, struct gd__subject *ou
 {
     const struct gd_path *path = studio->picture->path;
     uint64_t all = 0;
-    for (uint32_t i = 0; i < studio->layer_count; i++)
-        all += layer_points(studio->layers[i].wanted);
+    for (uint32_t i = 0; i < studio->layers.count; i++)
+        all += layer_points(studio->layers.items[i].wanted);
     uint64_t stride = path ? 1 : 1 + all / SUBJECT_MOST;
     uint32_t count = path ? path->count : list_points(studio, stride, NULL);
     if (!count && studio->has_source) count = 1;
@@ -213,7 +87,7 @@ static enum gd_status find_subject(struct studio *studio, struct gd__subject *ou
     if (!points) return status ? status : GD_NO_MEMORY;
     if (studio->has_source) points[0] = inside(studio->mesh, studio->source);
     for (uint32_t i = 0; path && i < count; i++)
-        points[i] = inside(studio->mesh, studio->path_points[i]);
+        points[i] = inside(studio->mesh, studio->layers.path_points[i]);
     if (!path) list_points(studio, stride, points);
     *out = (struct gd__subject){points, count, path || all == 0};
     return GD_OK;
@@ -294,8 +168,9 @@ static enum gd_status draw_surface(struct studio *studio)
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
-static enum gd_status isoline_line_split(struct studio *studio, const struct gd_path *line)
+static enum gd_status isoline_line_split(void *own, const struct gd_path *line)
 {
+    struct studio *studio = own;
     struct gd__screen_point *points = malloc(line->count * sizeof *points);
     if (!points) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < line->count; i++)
@@ -308,73 +183,31 @@ static enum gd_status isoline_line_split(struct studio *studio, const struct gd_
     return status;
 }
 
-static enum gd_status split_isoline(struct studio *studio, const struct gd_isoline *isoline,
-                                    const struct gd_control *control)
-{
-    double tolerance = LINE_TOLERANCE / studio->camera.scale * studio->mesh->unit;
-    enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < isoline->line_count && !status; i++) {
-        struct gd_path flat;
-        status = gd_isoline_flatten(studio->mesh, &isoline->lines[i], tolerance, control, &flat);
-        if (status) break;
-        status = isoline_line_split(studio, &flat);
-        gd_path_free(&flat);
-    }
-    return status;
-}
-
-static uint32_t isoline_count(const struct studio *studio)
-{
-    const struct gd_picture *picture = studio->picture;
-    if (!picture->field) return 0;
-    return picture->level_count ? picture->level_count
-           : picture->isolines  ? studio->scale.count
-                                : 0;
-}
-
-static enum gd_status trace_isolines(struct studio *studio, const struct gd_isoline_index *index)
-{
-    const struct gd_picture *picture = studio->picture;
-    enum gd_status status = GD_OK;
-    for (uint32_t k = 0; k < isoline_count(studio) && !status; k++) {
-        struct gd_isoline isoline;
-        struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
-        double level =
-            picture->level_count ? picture->levels[k] : (k + UINT64_C(1)) * studio->scale.step;
-        status = gd_isoline_trace_indexed(index, level, &control, &isoline);
-        studio->share.done++;
-        if (status) break;
-        status = split_isoline(studio, &isoline, &control);
-        gd_isoline_free(&isoline);
-    }
-    return status;
-}
-
 static enum gd_status find_isolines(struct studio *studio)
 {
-    struct gd_isoline_index *index;
-    struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
-    enum gd_status status = gd__budget_take(&studio->budget, gd_isoline_index_bytes(studio->mesh));
-    if (!status) status = gd_isoline_index_create(studio->picture->field, &control, &index);
-    studio->share.done++;
-    if (status) return status;
-    status = trace_isolines(studio, index);
-    gd_isoline_index_destroy(index);
-    return status;
+    struct gd__isoline_request request = {.picture = studio->picture,
+                                          .scale = &studio->scale,
+                                          .share = &studio->share,
+                                          .budget = &studio->budget,
+                                          .tolerance = LINE_TOLERANCE / studio->camera.scale *
+                                                       studio->mesh->unit,
+                                          .take = isoline_line_split,
+                                          .own = studio};
+    return gd__isolines_flatten(&request);
 }
 
 static enum gd_status find_lines(struct studio *studio)
 {
-    enum gd_status status = isoline_count(studio) ? find_isolines(studio) : GD_OK;
+    enum gd_status status = find_isolines(studio);
     studio->stage = (struct gd__stage){.mesh = studio->mesh,
                                        .camera = &studio->camera,
                                        .buffer = &studio->buffer,
                                        .palette = &studio->palette,
                                        .budget = &studio->budget,
                                        .unit = studio->legend.unit};
-    for (uint32_t i = 0; i < studio->layer_count && !status; i++) {
+    for (uint32_t i = 0; i < studio->layers.count && !status; i++) {
         struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
-        status = gd__layer_project(&studio->layers[i], &studio->stage, &control);
+        status = gd__layer_project(&studio->layers.items[i], &studio->stage, &control);
         studio->share.done++;
     }
     return status;
@@ -406,14 +239,14 @@ static void draw_lines(const struct studio *studio, struct gd__canvas *canvas)
     }
     if (picture->isoline_width > 0) pen.width = unit * picture->isoline_width;
     canvas->stroke(canvas, &studio->isolines, &pen);
-    for (uint32_t i = 0; i < studio->layer_count; i++) {
-        const struct gd__layer *layer = &studio->layers[i];
-        if (layer->wanted != &studio->path) canvas->begin_layer(canvas, layer->wanted->id);
+    for (uint32_t i = 0; i < studio->layers.count; i++) {
+        const struct gd__layer *layer = &studio->layers.items[i];
+        if (layer->wanted != &studio->layers.path) canvas->begin_layer(canvas, layer->wanted->id);
         gd__layer_draw(layer, &studio->stage, canvas);
-        if (layer->wanted != &studio->path) canvas->end_layer(canvas);
+        if (layer->wanted != &studio->layers.path) canvas->end_layer(canvas);
     }
     if (studio->has_source && !picture->path) draw_source(studio, canvas);
-    gd__labels_draw(studio->layers, studio->layer_count, &studio->stage, canvas);
+    gd__labels_draw(studio->layers.items, studio->layers.count, &studio->stage, canvas);
     gd__legend_draw(&studio->legend, &studio->scale, canvas);
 }
 
@@ -449,36 +282,33 @@ static void set_up(struct studio *studio, const struct gd_picture *picture,
                    const struct gd_control *control)
 {
     struct gd_point source;
-    uint32_t width = picture->width ? picture->width : WIDTH,
-             height = picture->height ? picture->height : HEIGHT;
+    uint32_t width = gd__request_width(picture), height = gd__request_height(picture);
     studio->picture = picture;
     studio->mesh = picture->mesh;
-    studio->palette = *gd__palette(picture->background);
-    if (picture->surface_colour)
-        studio->palette.surface = gd__colour_of_rgb(picture->surface_colour);
+    studio->palette = gd__request_palette(picture);
     studio->budget = (struct gd__budget){.control = control};
     studio->legend.width = width;
     studio->legend.height = height;
     if (picture->field) {
-        studio->scale = gd__scale_of(gd__field_range(picture->field),
-                                     picture->isolines ? picture->isolines : TICKS);
+        studio->scale = gd__request_scale(picture);
         studio->has_source = gd_field_single_seed(picture->field, &source);
     }
     if (studio->has_source) studio->source = gd_point_position(picture->mesh, &source);
+    uint32_t isolines = gd__isoline_count(picture, &studio->scale);
     studio->share.control = control;
-    studio->share.total = 1 + 2 * ((height - 1) / gd__raster_rows(width) + 1) +
-                          isoline_count(studio) + (isoline_count(studio) > 0) +
-                          picture->layer_count + (picture->path != NULL);
+    studio->share.total = 1 + 2 * ((height - 1) / gd__raster_rows(width) + 1) + isolines +
+                          (isolines > 0) + picture->layer_count + (picture->path != NULL);
 }
 
 static enum gd_status draw(struct studio *studio)
 {
     struct gd__subject subject = {0};
-    enum gd_status status = layers_open(studio);
+    enum gd_status status =
+        gd__layer_list_open(&studio->layers, studio->picture, &studio->palette, &studio->budget);
     if (status) return status;
     studio->legend.palette = &studio->palette;
-    studio->legend.layers = studio->layers;
-    studio->legend.layer_count = studio->layer_count;
+    studio->legend.layers = studio->layers.items;
+    studio->legend.layer_count = studio->layers.count;
     gd__legend_plan(&studio->legend, studio->picture);
     status = find_subject(studio, &subject);
     if (!status) status = picture_aim(studio, &subject);
@@ -489,9 +319,7 @@ static enum gd_status draw(struct studio *studio)
 
 static void picture_clear(struct studio *studio)
 {
-    for (uint32_t i = 0; i < studio->layer_count; i++) gd__layer_free(&studio->layers[i]);
-    free(studio->layers);
-    free(studio->path_points);
+    gd__layer_list_free(&studio->layers);
     free(studio->points);
     gd__raster_close(&studio->raster);
     gd__depth_buffer_close(&studio->buffer);
@@ -506,9 +334,7 @@ static enum gd_status render(const struct gd_picture *picture, const struct gd_c
                              finisher *finish, void **bytes, size_t *size)
 {
     struct studio studio = {0};
-    if (!is_sound(picture, picture->width ? picture->width : WIDTH,
-                  picture->height ? picture->height : HEIGHT))
-        return GD_INVALID_ARGUMENT;
+    if (!gd__request_is_sound(picture)) return GD_INVALID_ARGUMENT;
     set_up(&studio, picture, control);
     enum gd_status status = draw(&studio);
     if (!status) status = finish(&studio, bytes, size);

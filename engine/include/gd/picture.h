@@ -1,5 +1,5 @@
 /* Picture: a shaded image of a mesh, with colours of a field's distances, isolines, a path, and
- * layers of lines and marks.
+ * layers of lines and marks; or the same content as a scene in three dimensions.
  *
  *     const struct gd_picture picture = {
  *         .mesh = mesh, .field = field, .path = &path, .isolines = 10};
@@ -127,6 +127,17 @@ GD_MUST_USE enum gd_status gd_picture_png(const struct gd_picture *picture,
                                           const struct gd_control *control, void **bytes,
                                           size_t *size);
 GD_MUST_USE enum gd_status gd_picture_svg(const struct gd_picture *picture,
+                                          const struct gd_control *control, void **bytes,
+                                          size_t *size);
+
+/* Writes the picture as a scene in three dimensions: a GLB file as in gd/result_file.h. The surface
+ * is coloured by the distances of its vertices, or has the picture's colour. The isolines are the
+ * node `isolines`, the path is the node `path`, and a layer is the node `layer-` with its id, or
+ * several of them. Polylines of isolines differ from the isolines by at most 1e-4 of the surface's
+ * diagonal. View, size, widths, ends, hidden parts and the legend have no effect. Errors: those of
+ * gd_picture_png; GD_NON_FINITE (beyond the range of floats), GD_TOO_LARGE (4 GiB). Memory: about
+ * 500 bytes a vertex. */
+GD_MUST_USE enum gd_status gd_picture_glb(const struct gd_picture *picture,
                                           const struct gd_control *control, void **bytes,
                                           size_t *size);
 

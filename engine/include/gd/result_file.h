@@ -22,13 +22,16 @@
  * animation has a translation and a rotation (a unit quaternion) for each pose, interpolated
  * linearly. As in any glTF model, the front of the object is its +Z axis and its top is +Y: these
  * axes become tangent and normal, and +X becomes normal x tangent, to the left. The object itself
- * consists of three lines: tangent red, normal blue, +X green. */
+ * consists of three lines: tangent red, normal blue, +X green. A layer is a node with the layer's
+ * name, below the first node. Its mesh has one primitive, LINES or POINTS, and its `label` and
+ * `labels` as extras. Layers without a segment or a mark are left out. */
 #ifndef GD_RESULT_FILE_H
 #define GD_RESULT_FILE_H
 
 #include <stddef.h>
 #include <stdint.h>
 
+#include "gd/colour_map.h"
 #include "gd/polygons.h"
 #include "gd/status.h"
 #include "gd/vec.h"
@@ -57,6 +60,18 @@ struct gd_pose {
     struct gd_vec3 tangent, normal; /* perpendicular unit vectors */
 };
 
+/* Lines or marks of one colour in a scene. Texts are printable ASCII. */
+struct gd_result_layer {
+    const double (*points)[3]; /* finite */
+    /* Lines: count + 1 ascending offsets into `points`. NULL: the points are marks. */
+    const uint32_t *first;
+    uint32_t count; /* number of lines or marks */
+    struct gd_colour colour;
+    const char *name;          /* of the node */
+    const char *label;         /* NULL: none */
+    const char *const *labels; /* of marks, NULL for those without; NULL: no mark has one */
+};
+
 /* All borrowed; missing parts are NULL or 0. */
 struct gd_result {
     const struct gd_polygons *mesh; /* triangles with finite coordinates */
@@ -72,6 +87,10 @@ struct gd_result {
        have no length, the file has no object. */
     const struct gd_pose *poses;
     uint32_t pose_count;
+    /* of a scene; other formats than GLB leave them out */
+    const struct gd_result_layer *layers;
+    uint32_t layer_count;
+    const struct gd_colour *colour; /* of a mesh without distances; NULL: white */
 };
 
 /* Writes a result. `*out` is allocated by malloc and owned by the caller. Errors:

@@ -1,0 +1,216 @@
+#include "render/request.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/isoline.h"
+
+enum { WIDTH = 800, HEIGHT = 600, TICKS = 6 };
+
+/* --- the members ------------------------------------------------------------------------------ */
+
+uint32_t gd__request_width(const struct gd_picture *picture)
+{
+    return picture->width ? picture->width : WIDTH;
+}
+
+uint32_t gd__request_height(const struct gd_picture *picture)
+{
+    return picture->height ? picture->height : HEIGHT;
+}
+
+struct gd__palette gd__request_palette(const struct gd_picture *picture)
+{
+    struct gd__palette palette = *gd__palette(picture->background);
+    if (picture->surface_colour) palette.surface = gd__colour_of_rgb(picture->surface_colour);
+    return palette;
+}
+
+struct gd__scale gd__request_scale(const struct gd_picture *picture)
+{
+    return gd__scale_of(gd__field_range(picture->field),
+                        picture->isolines ? picture->isolines : TICKS);
+}
+
+static bool is_side(uint32_t pixels)
+{
+    return pixels >= GD_PICTURE_LEAST && pixels <= GD_PICTURE_MOST;
+}
+
+static bool is_text(const char *text)
+{
+    size_t length = text ? strlen(text) : 0;
+    for (size_t i = 0; i < length; i++)
+        if (text[i] < ' ' || text[i] > '~') return false;
+    return length <= GD_PICTURE_LABEL;
+}
+
+/* Returns whether a position is near enough to be projected without overflow. */
+static bool is_near(const struct gd_mesh *mesh, struct gd_vec3 position)
+{
+    return gd_vec3_length(gd_vec3_sub(position, mesh->summary.min)) <=
+           GD_PICTURE_FARTHEST * mesh->unit;
+}
+
+static bool labels_are_sound(const struct gd_picture_layer *layer, uint32_t *labels)
+{
+    for (uint32_t i = 0; layer->labels && i < layer->count; i++) {
+        if (!layer->labels[i]) continue;
+        if (!is_text(layer->labels[i]) || ++*labels > GD_PICTURE_LABELS) return false;
+    }
+    return is_text(layer->name);
+}
+
+static bool layer_is_sound(const struct gd_picture_layer *layer, const struct gd_mesh *mesh)
+{
+    uint32_t points = layer->first ? layer->first[layer->count] : layer->count;
+    if (!(layer->width >= 0 && layer->width <= GD_PICTURE_WIDTH)) return false;
+    for (uint32_t i = 0; layer->first && i < layer->count; i++)
+        if (layer->first[i] > layer->first[i + 1]) return false;
+    for (uint32_t i = 0; i < points; i++)
+        if (!is_near(mesh, layer->points[i])) return false;
+    return true;
+}
+
+static bool layers_are_sound(const struct gd_picture *picture)
+{
+    uint32_t labels = 0;
+    if (picture->layer_count > GD_PICTURE_LAYERS) return false;
+    for (uint32_t i = 0; i < picture->layer_count; i++)
+        if (!layer_is_sound(&picture->layers[i], picture->mesh) ||
+            !labels_are_sound(&picture->layers[i], &labels))
+            return false;
+    return true;
+}
+
+static bool levels_are_sound(const struct gd_picture *picture)
+{
+    if (picture->isolines > GD_PICTURE_ISOLINES || picture->level_count > GD_PICTURE_ISOLINES)
+        return false;
+    for (uint32_t i = 0; i < picture->level_count; i++)
+        if (!(picture->levels[i] >= 0 && isfinite(picture->levels[i]))) return false;
+    return picture->isoline_width >= 0 && picture->isoline_width <= GD_PICTURE_WIDTH;
+}
+
+bool gd__request_is_sound(const struct gd_picture *picture)
+{
+    uint32_t width = gd__request_width(picture), height = gd__request_height(picture);
+    struct gd_vec3 d = picture->direction;
+    if (!is_side(width) || !is_side(height) || (uint64_t)width * height > GD_PICTURE_PIXELS)
+        return false;
+    if (!gd_vec3_is_finite(picture->up) || !gd_vec3_is_finite(d)) return false;
+    if (picture->zoom != 0 && !(picture->zoom >= 1 && picture->zoom <= GD_PICTURE_ZOOM))
+        return false;
+    if (picture->target && !is_near(picture->mesh, *picture->target)) return false;
+    if (picture->field && gd_field_mesh(picture->field) != picture->mesh) return false;
+    if (picture->view == GD_VIEW_DIRECTION && d.x == 0 && d.y == 0 && d.z == 0) return false;
+    return levels_are_sound(picture) && layers_are_sound(picture);
+}
+
+/* --- layers ----------------------------------------------------------------------------------- */
+
+/* Makes the layer of the picture's path. */
+static enum gd_status path_open(struct gd__layer_list *list, const struct gd_picture *picture,
+                                struct gd__budget *budget)
+{
+    const struct gd_path *path = picture->path;
+    size_t bytes = path->count * sizeof *list->path_points;
+    enum gd_status status = gd__budget_take(budget, bytes);
+    list->path_points = status ? NULL : malloc(bytes);
+    if (!list->path_points) return status ? status : GD_NO_MEMORY;
+    for (uint32_t i = 0; i < path->count; i++)
+        list->path_points[i] = gd_point_position(picture->mesh, &path->points[i]);
+    snprintf(list->path_name, sizeof list->path_name, "path length %.9g", path->length);
+    list->path_first[1] = path->count;
+    list->path = (struct gd_picture_layer){.points = list->path_points,
+                                           .first = list->path_first,
+                                           .count = 1,
+                                           .name = list->path_name,
+                                           .ends = GD_LINE_ENDS_MARKS};
+    return GD_OK;
+}
+
+enum gd_status gd__layer_list_open(struct gd__layer_list *list, const struct gd_picture *picture,
+                                   const struct gd__palette *palette, struct gd__budget *budget)
+{
+    uint32_t has_path = picture->path != NULL, count = has_path + picture->layer_count;
+    enum gd_status status = gd__budget_take(budget, (size_t)count * sizeof *list->items);
+    if (!status && has_path) status = path_open(list, picture, budget);
+    if (status) return status;
+    list->items = calloc(count + (size_t)1, sizeof *list->items);
+    if (!list->items) return GD_NO_MEMORY;
+    list->count = count;
+    for (uint32_t i = 0, number = 0; i < count; i++) {
+        struct gd__layer *layer = &list->items[i];
+        layer->wanted = i < has_path ? &list->path : &picture->layers[i - has_path];
+        layer->colour = gd__layer_colour(layer->wanted, number, palette);
+        number += layer->wanted->first && !layer->wanted->colour;
+    }
+    return GD_OK;
+}
+
+void gd__layer_list_free(struct gd__layer_list *list)
+{
+    for (uint32_t i = 0; i < list->count; i++) gd__layer_free(&list->items[i]);
+    free(list->items);
+    free(list->path_points);
+}
+
+/* --- isolines --------------------------------------------------------------------------------- */
+
+uint32_t gd__isoline_count(const struct gd_picture *picture, const struct gd__scale *scale)
+{
+    if (!picture->field) return 0;
+    return picture->level_count ? picture->level_count : picture->isolines ? scale->count : 0;
+}
+
+static enum gd_status isoline_flatten(const struct gd__isoline_request *request,
+                                      const struct gd_isoline *isoline,
+                                      const struct gd_control *control)
+{
+    const struct gd_mesh *mesh = request->picture->mesh;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < isoline->line_count && !status; i++) {
+        struct gd_path flat;
+        status = gd_isoline_flatten(mesh, &isoline->lines[i], request->tolerance, control, &flat);
+        if (status) break;
+        status = request->take(request->own, &flat);
+        gd_path_free(&flat);
+    }
+    return status;
+}
+
+static enum gd_status isolines_trace(const struct gd__isoline_request *request,
+                                     const struct gd_isoline_index *index)
+{
+    const struct gd_picture *picture = request->picture;
+    enum gd_status status = GD_OK;
+    for (uint32_t k = 0; k < gd__isoline_count(picture, request->scale) && !status; k++) {
+        struct gd_isoline isoline;
+        struct gd_control control = gd__share_control(request->share, request->budget->held);
+        double level =
+            picture->level_count ? picture->levels[k] : (k + UINT64_C(1)) * request->scale->step;
+        status = gd_isoline_trace_indexed(index, level, &control, &isoline);
+        request->share->done++;
+        if (status) break;
+        status = isoline_flatten(request, &isoline, &control);
+        gd_isoline_free(&isoline);
+    }
+    return status;
+}
+
+enum gd_status gd__isolines_flatten(const struct gd__isoline_request *request)
+{
+    const struct gd_picture *picture = request->picture;
+    struct gd_isoline_index *index;
+    if (!gd__isoline_count(picture, request->scale)) return GD_OK;
+    struct gd_control control = gd__share_control(request->share, request->budget->held);
+    enum gd_status status = gd__budget_take(request->budget, gd_isoline_index_bytes(picture->mesh));
+    if (!status) status = gd_isoline_index_create(picture->field, &control, &index);
+    request->share->done++;
+    if (status) return status;
+    status = isolines_trace(request, index);
+    gd_isoline_index_destroy(index);
+    return status;
+}
