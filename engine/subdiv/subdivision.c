@@ -200,10 +200,11 @@ static enum gd_status subdivision_adopt(struct gd_subdivision *surface, struct g
     if (control->first) {
         status = subdivision_split(surface, control);
         widen_valence(surface);
+        surface->control = *control;
     } else {
         surface->base = *control;
-        *control = (struct gd__net){0};
     }
+    *control = (struct gd__net){0};
     if (status) return status;
     surface->base_edges = gd__number_edges(&surface->base);
     status = make_boxes(surface);
@@ -265,6 +266,7 @@ void gd_subdivision_release(const struct gd_subdivision *surface)
     if (!surface || !gd__references_drop(&surface->references)) return;
     struct gd_subdivision *shared = (struct gd_subdivision *)surface;
     gd__net_free(&shared->base);
+    gd__net_free(&shared->control);
     free(shared->split_first);
     free(shared->valences);
     free(shared->boxes);
@@ -273,9 +275,10 @@ void gd_subdivision_release(const struct gd_subdivision *surface)
 
 size_t gd_subdivision_memsize(const struct gd_subdivision *surface)
 {
-    const struct gd__net *base = &surface->base;
+    const struct gd__net *base = &surface->base, *control = &surface->control;
     return sizeof *surface + base->face_count * sizeof *surface->boxes +
            gd__net_size(base->point_count, base->face_count, base->side_count, false) +
+           gd__net_size(control->point_count, control->face_count, control->side_count, true) +
            (surface->split_first ? (surface->control_faces + 1) * sizeof(uint32_t) : 0) +
            surface->largest_valence * sizeof(struct gd_valence);
 }
@@ -288,4 +291,24 @@ enum gd_scheme gd_subdivision_scheme(const struct gd_subdivision *surface)
 struct gd_subdivision_summary gd_subdivision_summary(const struct gd_subdivision *surface)
 {
     return surface->summary;
+}
+
+static const struct gd__net *control_net(const struct gd_subdivision *surface)
+{
+    return surface->split_first ? &surface->control : &surface->base;
+}
+
+const struct gd_vec3 *gd_subdivision_control_points(const struct gd_subdivision *surface)
+{
+    return control_net(surface)->points;
+}
+
+void gd_subdivision_control_edges(const struct gd_subdivision *surface, uint32_t (*out)[2])
+{
+    const struct gd__net *net = control_net(surface);
+    for (uint32_t side = 0; side < net->side_count; side++) {
+        if (net->twin[side] < side) continue; /* the boundary has GD_NONE */
+        (*out)[0] = net->origin[side];
+        (*out++)[1] = gd__side_end(net, side);
+    }
 }

@@ -19,6 +19,7 @@ struct gd_subdivision {
     enum gd_scheme scheme;
     const struct gd__scheme *rules;
     struct gd__net base;
+    struct gd__net control; /* the control mesh if the base faces are not its faces; else empty */
     /* for each control face, its first base face, with one more entry at the end; NULL means that
        base faces are control faces */
     uint32_t *split_first;

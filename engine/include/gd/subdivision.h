@@ -17,6 +17,7 @@
 
 #include "gd/control.h"
 #include "gd/control_mesh.h"
+#include "gd/vec.h"
 
 GD_EXTERN_C_BEGIN
 
@@ -70,6 +71,14 @@ enum gd_scheme gd_subdivision_scheme(const struct gd_subdivision *surface);
 
 /* Returns a summary of the control mesh. O(1). */
 struct gd_subdivision_summary gd_subdivision_summary(const struct gd_subdivision *surface);
+
+/* Returns the control points, summary.vertex_count of them, borrowed and valid as long as the
+ * surface. O(1). */
+const struct gd_vec3 *gd_subdivision_control_points(const struct gd_subdivision *surface);
+
+/* Writes the ends of each edge of the control mesh to `out`, which has summary.edge_count entries,
+ * in the order in which the faces first name the edges. O(corners). */
+void gd_subdivision_control_edges(const struct gd_subdivision *surface, uint32_t (*out)[2]);
 
 GD_EXTERN_C_END
 
