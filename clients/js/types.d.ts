@@ -834,10 +834,12 @@ export type PictureCamera = {
 
 /**
  * A layer. The first required member names its kind. Subdivision surfaces have the layers
- * `surface`, `path`, `trace` and `points`; NURBS surfaces have `surface`, `path`, `curve_distance`,
- * `point_curve_distance`, `points`, `isoparametric` and `control_net`; meshes have all others.
+ * `surface`, `field`, `isolines`, `path`, `trace`, `points` and `control_net`; NURBS surfaces have
+ * `surface`, `field`, `isolines`, `path`, `curve_distance`, `point_curve_distance`, `points`,
+ * `isoparametric` and `control_net`; meshes have all except `point_curve_distance`, `isoparametric`
+ * and `control_net`.
  */
-export type PictureLayer = (PictureSurfaceLayer | PictureFieldLayer | PictureIsolinesLayer | PicturePathLayer | PictureTraceLayer | PictureExpLayer | PictureSplineLayer | PictureCurveLayer | PictureCurveDistanceLayer | PictureVoronoiLayer | PictureCutLocusLayer | PicturePointsLayer | PicturePointCurveDistanceLayer | PictureIsoparametricLayer | PictureControlNetLayer);
+export type PictureLayer = (PictureSurfaceLayer | PictureFieldLayer | PictureIsolinesLayer | PicturePathLayer | PictureTraceLayer | PictureExpLayer | PictureSplineLayer | PictureCurveLayer | PictureCurveDistanceLayer | PictureVoronoiLayer | PictureCutLocusLayer | PictureCutLayer | PicturePointsLayer | PicturePointCurveDistanceLayer | PictureIsoparametricLayer | PictureControlNetLayer);
 
 /** How the surface itself is drawn. */
 export type PictureSurfaceLayer = {
@@ -845,11 +847,28 @@ export type PictureSurfaceLayer = {
   color?: PictureColor;
 };
 
-/** Colours the surface by the distance from a set. */
+/**
+ * Colours the surface by the distance from a set: of a mesh, any set; of a smooth surface, places.
+ * On a mesh the distance is exact. On a smooth surface it is the exact distance on the mesh that
+ * the figure draws: of a subdivision surface the discretization of its usual level, of a NURBS
+ * surface a tessellation with about 40,000 triangles. The vertices of these meshes lie on the
+ * surface, and the distance converges to that on the surface as the triangles get smaller. The
+ * places become points of the mesh with the same parameters.
+ */
 export type PictureFieldLayer = {
-  field: Set;
+  field: (Set | PictureLimitPlacesRequest | PicturePlacesRequest);
   /** Points farther away have no colour. */
   max_distance?: number;
+};
+
+/** Places on a subdivision surface. */
+export type PictureLimitPlacesRequest = {
+  points: LimitPlace[];
+};
+
+/** Places on a NURBS surface. */
+export type PicturePlacesRequest = {
+  points: Place[];
 };
 
 /** Isolines of the distance that the layer `field` shows. */
@@ -943,6 +962,26 @@ export type PictureCutLocusLayer = {
   label?: PictureLabel;
 };
 
+/**
+ * The pieces of `POST …/cut`, which replace the surface, and their boundaries as lines. The figure
+ * stores no meshes, so `names` and `select_only` are refused. A figure with this layer has no
+ * `field`. Other layers are drawn on the uncut surface: with `apart: 0` they lie on the pieces.
+ */
+export type PictureCutLayer = {
+  cut: CutRequest;
+  /**
+   * How far the pieces are moved, as a part of the diagonal of the mesh's bounding box. The piece
+   * with the largest area stays. Every other piece moves to the side to which it faces, that is,
+   * along the sum of the area vectors of its faces. If this sum is less than a tenth of the piece's
+   * area, as for a tube, the piece moves away from the middle of the largest one.
+   */
+  apart?: number;
+  color?: PictureColor;
+  width?: PictureWidth;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
 /** Points as discs. */
 export type PicturePointsLayer = {
   points: (Point | LimitPlace | Place)[];
@@ -973,7 +1012,10 @@ export type PictureIsoparametricLayer = {
   label?: PictureLabel;
 };
 
-/** The control points of a NURBS surface, and the lines between neighbours. */
+/**
+ * The control points of a NURBS or subdivision surface, and the lines between neighbours: of a
+ * subdivision surface, the edges of the control mesh.
+ */
 export type PictureControlNetLayer = {
   control_net: PictureControlNet;
   color?: PictureColor;

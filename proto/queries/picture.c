@@ -148,6 +148,7 @@ const char *proto_picture_form_name(unsigned form)
                                         [PROTO_PICTURE_LAYER_CURVE_DISTANCE] = "curve_distance",
                                         [PROTO_PICTURE_LAYER_VORONOI] = "voronoi",
                                         [PROTO_PICTURE_LAYER_CUT_LOCUS] = "cut_locus",
+                                        [PROTO_PICTURE_LAYER_CUT] = "cut",
                                         [PROTO_PICTURE_LAYER_POINTS] = "points",
                                         [PROTO_PICTURE_LAYER_POINT_CURVE_DISTANCE] =
                                             "point_curve_distance",
@@ -216,37 +217,69 @@ static void take_isolines(const struct proto_picture_layer *layer, struct gd_pic
 
 /* Checks the isolines' levels against the reach of the field. */
 static bool check_isolines(const struct proto_picture_layer *layer,
-                           const struct proto_picture *picture, struct proto_problem *problem)
+                           const struct proto_picture_layer *field, struct proto_problem *problem)
 {
-    if (!picture->set)
+    if (!field)
         return refuse_layer(layer, "isolines need a layer \"field\", whose distance they show",
                             problem);
-    for (uint32_t i = 0; i < picture->picture.level_count; i++)
-        if (picture->max_distance > 0 && picture->picture.levels[i] > picture->max_distance)
+    for (uint32_t i = 0; i < layer->isolines.levels.count; i++)
+        if (field->has_max_distance && layer->isolines.levels.items[i] > field->max_distance)
             return refuse_layer(layer, "a level exceeds the max_distance of the field", problem);
     return true;
+}
+
+static bool is_single(unsigned form)
+{
+    return form <= PROTO_PICTURE_LAYER_ISOLINES || form == PROTO_PICTURE_LAYER_CUT;
 }
 
 /* Reads the layers that belong to the surface, of which there is at most one each. */
 static bool take_layers(struct proto_picture *out, struct proto_problem *problem)
 {
-    const struct proto_picture_layer *found[PROTO_PICTURE_LAYER_ISOLINES + 1] = {NULL};
+    const struct proto_picture_layer *found[PROTO_PICTURE_LAYER_CUT + 1] = {NULL};
     struct proto_picture_layer_list *layers = &out->request.layers;
     for (uint32_t i = 0; i < layers->count; i++) {
         struct proto_picture_layer *layer = &layers->items[i];
-        if (layer->form > PROTO_PICTURE_LAYER_ISOLINES) continue;
+        if (!is_single(layer->form)) continue;
         if (found[layer->form])
             return refuse_layer(layer, "a figure has at most one layer of this kind", problem);
         found[layer->form] = layer;
         if (layer->form == PROTO_PICTURE_LAYER_SURFACE) take_surface(layer, &out->picture);
         if (layer->form == PROTO_PICTURE_LAYER_ISOLINES) take_isolines(layer, &out->picture);
-        if (layer->form == PROTO_PICTURE_LAYER_FIELD) {
-            out->set = &layer->field;
-            out->max_distance = layer->has_max_distance ? layer->max_distance : 0;
-        }
     }
-    const struct proto_picture_layer *isolines = found[PROTO_PICTURE_LAYER_ISOLINES];
-    return !isolines || check_isolines(isolines, out, problem);
+    const struct proto_picture_layer *isolines = found[PROTO_PICTURE_LAYER_ISOLINES],
+                                     *field = found[PROTO_PICTURE_LAYER_FIELD];
+    if (field && found[PROTO_PICTURE_LAYER_CUT])
+        return refuse_layer(field,
+                            "a figure with a layer \"cut\" has no field, because the field "
+                            "belongs to the surface that is not cut; leave one of them out",
+                            problem);
+    return !isolines || check_isolines(isolines, field, problem);
+}
+
+bool proto_picture_places_decode(const json_t *document, const struct gd_parametric *surface,
+                                 struct proto_uvs *out, struct proto_problem *problem)
+{
+    struct proto_picture_places_request request;
+    if (!proto_picture_places_request_decode(document, &request, problem)) return false;
+    *out = request.points;
+    for (uint32_t i = 0; i < out->count; i++) {
+        char place[PROTO_PLACE];
+        proto_place_of_element(place, "/points", i);
+        if (!proto_uv_check(surface, out->items[i], place, problem)) return false;
+    }
+    return true;
+}
+
+bool proto_picture_limit_places_decode(const json_t *document, const struct gd_subdivision *surface,
+                                       struct proto_limit_places *out,
+                                       struct proto_problem *problem)
+{
+    struct proto_picture_limit_places_request request;
+    if (!proto_picture_limit_places_request_decode(document, &request, problem)) return false;
+    bool ok = proto_limit_places_locate(surface, &request.points, out, problem);
+    proto_picture_limit_places_request_free(&request);
+    return ok;
 }
 
 bool proto_picture_decode(const json_t *document, struct proto_picture *out,

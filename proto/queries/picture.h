@@ -5,7 +5,9 @@
 #include "gd/picture.h"
 #include "generated/requests.h"
 #include "proto/http/options.h"
+#include "proto/values/limit_place.h"
 #include "proto/values/points.h"
+#include "proto/values/uv.h"
 
 struct proto_picture {
     struct gd_picture picture; /* the members mesh, field, path and layers are not set */
@@ -14,8 +16,6 @@ struct proto_picture {
     struct proto_point source;
     struct proto_points stops;            /* stops of the path: at least two, or none */
     struct proto_picture_request request; /* of a figure */
-    struct proto_set *set;                /* of a figure: the set of its field; NULL: none */
-    double max_distance;                  /* of that field; 0: no limit */
     struct gd_vec3 target;
 };
 
@@ -31,6 +31,15 @@ void proto_picture_free(struct proto_picture *picture); /* may be called repeate
  * Problems: as proto_picture_parse. */
 bool proto_picture_decode(const json_t *document, struct proto_picture *out,
                           struct proto_problem *problem);
+
+/* Decode the places of the layer `field` of a smooth surface. Problems: invalid_request, too_large,
+ * point_not_on_surface, insufficient_memory. The caller frees the result by proto_uvs_free or
+ * proto_limit_places_free. */
+bool proto_picture_places_decode(const json_t *document, const struct gd_parametric *surface,
+                                 struct proto_uvs *out, struct proto_problem *problem);
+bool proto_picture_limit_places_decode(const json_t *document, const struct gd_subdivision *surface,
+                                       struct proto_limit_places *out,
+                                       struct proto_problem *problem);
 
 /* Return the JSON member that names a kind of layers: the kind of `layer`, or the kind `form`. */
 const char *proto_picture_layer_name(const struct proto_picture_layer *layer);

@@ -9,6 +9,8 @@ import unittest
 import xml.etree.ElementTree as ElementTree
 
 from harness import TestCase, sample
+from subdivisions import PRISM
+from test_files import read_glb
 from test_pictures import SVG, Png
 
 MARGIN = 0.1  # largest margin, relative to the shorter side
@@ -102,8 +104,67 @@ class Figure:
         return [(text.text, float(text.get("x")), float(text.get("y"))) for text in self.root.iter(SVG + "text")]
 
 
+def linear(colour):
+    """Returns the linear components of #rrggbb."""
+    values = [int(colour[i:i + 2], 16) / 255 for i in (1, 3, 5)]
+    return [value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055)**2.4 for value in values]
+
+
+def rows(flat, width=3):
+    return list(zip(*(flat[k::width] for k in range(width))))
+
+
+class Scene:
+    """A figure as GLB: the surface, and the primitives of each node by name."""
+
+    def __init__(self, body):
+        self.document, self.lists = read_glb(body)
+        root, *others = self.document["nodes"]
+        assert root.get("children", []) == list(range(1, len(others) + 1)), root
+        self.origin = root["translation"]
+        surface = self.document["meshes"][root["mesh"]]["primitives"][0]
+        self.places = self.positions(surface)
+        self.faces = rows(self.lists[surface["indices"]])
+        distances = surface["attributes"].get("_DISTANCE")
+        self.distances = self.lists[distances] if distances is not None else None
+        self.colour = self.document["materials"][surface["material"]]["pbrMetallicRoughness"].get("baseColorFactor")
+        self.nodes = {}
+        for node in others:
+            self.nodes.setdefault(node["name"], []).append(self.document["meshes"][node["mesh"]])
+
+    def positions(self, primitive):
+        return [tuple(a + b for a, b in zip(place, self.origin)) for place in rows(self.lists[primitive["attributes"]["POSITION"]])]
+
+    def points(self, name):
+        """Returns the points of a node's marks."""
+        [primitive] = self.nodes[name][-1]["primitives"]
+        assert primitive["mode"] == 0, primitive
+        return self.positions(primitive)
+
+    def segments(self, name, i=0):
+        [primitive] = self.nodes[name][i]["primitives"]
+        assert primitive["mode"] == 1, primitive
+        places = self.positions(primitive)
+        return [(places[a], places[b]) for a, b in rows(self.lists[primitive["indices"]], 2)]
+
+    def paint(self, name):
+        return self.document["materials"][self.nodes[name][0]["primitives"][0]["material"]]["pbrMetallicRoughness"]["baseColorFactor"][:3]
+
+    def area(self):
+        corners = [[self.places[i] for i in face] for face in self.faces]
+        sides = [[[q[k] - p[k] for k in range(3)] for q in rest] for p, *rest in corners]
+        return sum(math.sqrt(dot(n, n)) / 2 for n in (cross(*pair) for pair in sides))
+
+
+def length_of(segments):
+    return sum(math.dist(*segment) for segment in segments)
+
+
 class FigureCase(TestCase):
     kind = "meshes"
+
+    def scene_of(self, layers, mesh="plate", **members):
+        return Scene(self.posted({"layers": layers, **members}, mesh, "glb").body)
 
     def posted(self, document, mesh="plate", form="svg", status=200, **headers):
         answer = self.daemon.request("POST", f"/v1/{self.kind}/{mesh}/picture?format={form}", json.dumps(document).encode(),
@@ -322,6 +383,133 @@ class FigureTests(FigureCase):
         narrow = Figure(self.posted({"layers": [{"trace": trace, "label": "m" * 40}], "width": 200, "height": 200}).body).texts()
         self.assertRegex(narrow[0][0], r"^m+\.\.$")
 
+    # --- scenes in three dimensions ---
+
+    def test_a_scene_has_the_surface_and_its_distances(self):
+        scene = self.scene_of([{"surface": {}, "color": "#336699"}])
+        sent = positions_of(self.meshes["plate"])
+        self.assertEqual(scene.nodes, {})
+        for place, position in zip(scene.places, sent):
+            self.assertLess(math.dist(place, position), 1e-6)
+        self.assertAlmostEqual(scene.area(), SIDE**2, 5)
+        for part, expected in zip(scene.colour, linear("#336699")):
+            self.assertAlmostEqual(part, expected, 6)
+        levels = [0.5, 1.25]
+        scene = self.scene_of([{"field": {"points": [{"xyz": [1, 1.5, 0]}]}}, {"isolines": {"levels": levels}, "color": "#ff8800"}])
+        for place, distance in zip(scene.places, scene.distances):
+            self.assertAlmostEqual(distance, math.dist(place, (1, 1.5, 0)), 5)
+        ends = [end for segment in scene.segments("isolines") for end in segment]
+        found = [sum(abs(math.dist(end, (1, 1.5, 0)) - level) < 1e-5 for end in ends) for level in levels]
+        self.assertEqual(sum(found), len(ends))
+        self.assertTrue(all(found))
+        # circles within 1e-4 of the diagonal, of which the larger one leaves the plate
+        self.assertAlmostEqual(length_of(scene.segments("isolines")), 2 * math.pi * 0.5 + 2 * (math.pi - math.acos(1 / 1.25)) * 1.25, 2)
+        for part, expected in zip(scene.paint("isolines"), linear("#ff8800")):
+            self.assertAlmostEqual(part, expected, 6)
+
+    def test_layers_are_nodes_of_a_scene(self):
+        pair = {"from": {"xyz": [0.3, 0.2, 0]}, "to": {"xyz": [3, 2.5, 0]}}
+        points = [[1, 1, 0], [2, 3, 0], [0.5, 0.25, 0]]
+        layers = [{"trace": {"start": {"xyz": [2, 2, 0]}, "fan": 12, "length": 1.5}, "color": "#1a5fb4", "label": 'a "fan" \\'},
+                  {"points": [{"xyz": place} for place in points], "labels": ["A", "", 'B"']}, {"surface": {"edges": True}},
+                  {"path": pair, "hidden": "none"}]
+        scene = self.scene_of(layers, camera={"view": "top", "zoom": 3})
+        self.assertEqual(list(scene.nodes), ["layer-0", "layer-1", "layer-3"])
+        self.assertEqual([mesh.get("extras") for name in scene.nodes for mesh in scene.nodes[name]],
+                         [{"label": 'a "fan" \\'}, {"labels": ["A", None, 'B"']}, None])
+        for place, point in zip(scene.points("layer-1"), points):
+            self.assertLess(math.dist(place, point), 1e-6)
+        self.assertAlmostEqual(length_of(scene.segments("layer-0")), 12 * 1.5, 4)
+        ends = [end for segment in scene.segments("layer-0") for end in segment]
+        self.assertLess(max(math.dist(end, (2, 2, 0)) for end in ends), 1.5 + 1e-6)
+        path = scene.segments("layer-3")
+        self.assertAlmostEqual(length_of(path), math.dist(*(pair[end]["xyz"] for end in pair)), 5)
+        for (_, end), (begin, _) in zip(path, path[1:]):
+            self.assertEqual(end, begin)
+        for part, expected in zip(scene.paint("layer-0"), linear("#1a5fb4")):
+            self.assertAlmostEqual(part, expected, 6)
+
+    def test_a_scene_is_a_mesh_file_too(self):
+        body = self.posted({"layers": [{"trace": {"start": {"xyz": [0, 0, 1]}, "fan": 5, "length": 1}}, {"points": [{"vertex": 0}]}]}, "sphere", "glb").body
+        self.assertEqual(self.daemon.put("again", body).json["faces"], self.daemon.get("/v1/meshes/sphere").json["faces"])
+
+    # --- cuts ---
+
+    WINDOW = {"curve": {"points": [{"xyz": [x, y, 0]} for x, y in ((1, 1), (3, 1), (3, 3), (1, 3))], "closed": True}}
+
+    def test_the_pieces_of_a_cut_are_apart(self):
+        """The window of a plate moves along the normal of the plate; the frame stays."""
+        for apart, lift in (({}, 0.15), ({"apart": 0.5}, 0.5), ({"apart": 0}, 0)):
+            scene = self.scene_of([{"cut": self.WINDOW, **apart}])
+            height = lift * math.dist((0, 0), (SIDE, SIDE))
+            self.assertAlmostEqual(scene.area(), SIDE**2, 4)
+            for x, y, z in scene.places:
+                inside = 1 < x < 3 and 1 < y < 3
+                outside = x < 1 or x > 3 or y < 1 or y > 3
+                if inside or outside:  # vertices on the curve belong to both pieces
+                    self.assertAlmostEqual(z, height if inside else 0, 5)
+            lines = scene.segments("layer-0")
+            at_height = [segment for segment in lines if abs(segment[0][2] - height) < 1e-5]
+            self.assertAlmostEqual(length_of(lines), 4 * SIDE + 2 * 8, 4)
+            if height:
+                self.assertAlmostEqual(length_of(at_height), 8, 4)
+
+    def test_a_cut_is_where_it_projects(self):
+        direction, height = (1, -0.7, 2), 0.3 * math.dist((0, 0), (SIDE, SIDE))
+        window = [(x, y, height) for x, y in ((1, 1), (3, 1), (3, 3), (1, 3))]
+        figure = self.figure([{"cut": self.WINDOW, "apart": 0.3, "hidden": "shown", "color": "#123456"}], camera={"direction": direction})
+        project = Projection(positions_of(self.meshes["plate"]) + window, direction, 400, 400)
+        lines = figure.lines(0)
+        self.assertEqual((len(lines), set(figure.strokes(0)) >= {"#123456"}), (3, True))
+        self.assert_drawn([*window, (0, 0, 0), (SIDE, SIDE, 0), (1, 2, 0), (2, 3, 0)], lines, project)
+        self.assertGreater(min(distance_to_line(project((2, 2, height)), line) for line in lines), 10)
+
+    def test_one_piece_of_a_cut(self):
+        scene = self.scene_of([{"cut": {**self.WINDOW, "inside": {"xyz": [2, 2, 0]}}, "apart": 1}])
+        self.assertAlmostEqual(scene.area(), 4, 5)
+        self.assertEqual({round(place[2], 6) for place in scene.places}, {0})
+
+    def test_halves_of_a_sphere_face_away_from_each_other(self):
+        ring = [{"xyz": [math.cos(a), math.sin(a), 0.3]} for a in (k * math.pi / 4 for k in range(8))]
+        scene = self.scene_of([{"cut": {"curve": {"points": ring, "closed": True}}, "apart": 0.25}], "sphere")
+        cap = max(scene.places, key=lambda p: p[2])
+        self.assertAlmostEqual(cap[2], 1 + 0.25 * math.sqrt(12), 2)
+        self.assertLess(math.hypot(cap[0], cap[1]), 0.1)
+        self.assertAlmostEqual(min(place[2] for place in scene.places), -1, 5)
+
+    def test_a_tube_moves_away_from_the_largest_piece(self):
+        tube = sample("cylinder")
+        self.put_all({"tube": tube})
+        positions = positions_of(tube)
+        lows, highs = ([side(p[k] for p in positions) for k in range(3)] for side in (min, max))
+        axis = max(range(3), key=lambda k: highs[k] - lows[k])
+        loops = self.daemon.get("/v1/meshes/tube").json["boundaries"]
+        self.assertEqual(len(loops), 2)
+        at = lows[axis] + 0.7 * (highs[axis] - lows[axis])
+        radius = max(abs(p[(axis + 1) % 3]) for p in positions)
+        ring = []
+        for k in range(8):
+            place = [0, 0, 0]
+            place[axis], place[(axis + 1) % 3], place[(axis + 2) % 3] = at, radius * math.cos(k * math.pi / 4), radius * math.sin(k * math.pi / 4)
+            ring.append({"xyz": place})
+        scene = self.scene_of([{"cut": {"curve": {"points": ring, "closed": True}}, "apart": 0.2}], "tube")
+        reached = sorted(place[axis] for place in scene.places)
+        self.assertAlmostEqual(reached[0], lows[axis], 5)
+        self.assertAlmostEqual(reached[-1], highs[axis] + 0.2 * math.dist(lows, highs), 5)
+
+    def test_cuts_are_refused(self):
+        point = {"vertex": 0}
+        self.refused([{"surface": {}}, {"cut": {**self.WINDOW, "names": ["a", "b"]}}], "/layers/1/cut/names")
+        self.refused([{"cut": {**self.WINDOW, "select_only": True}}], "/layers/0/cut/select_only")
+        self.refused([{"cut": {"curve": {"points": [point, {"vertex": 7777}]}}}], "/layers/0/cut/curve/points/1")
+        self.refused([{"cut": {**self.WINDOW, "inside": {"vertex": 7777}}}], "/layers/0/cut/inside")
+        self.refused([{"cut": {"curve": {"points": [{"xyz": [1, 1, 0]}, {"xyz": [2, 2, 0]}]}}}], "/layers/0/cut")
+        self.refused([{"cut": self.WINDOW}, {"cut": self.WINDOW}], "/layers/1/cut")
+        self.assertIn("no field", self.refused([{"cut": self.WINDOW}, {"field": {"points": [point]}}], "/layers/1/field"))
+        for apart in (-0.1, 10.5, "far"):
+            self.refused([{"cut": self.WINDOW, "apart": apart}], "/layers/0/apart")
+        self.assertEqual(self.daemon.get("/v1/meshes/plate-1").status, 404)
+
     # --- refusals ---
 
     def test_a_problem_names_the_layer(self):
@@ -381,6 +569,9 @@ class FigureTests(FigureCase):
         self.assertEqual(type_of("", Accept="image/png;q=0.5, image/svg+xml"), "image/svg+xml")
         self.assertEqual(type_of("?format=svg", Accept="image/png"), "image/svg+xml")
         self.assertEqual(type_of("", Accept="application/json"), 406)
+        self.assertEqual(type_of("", Accept="model/gltf-binary"), "model/gltf-binary")
+        self.assertEqual(type_of("", Accept="model/*"), "model/gltf-binary")
+        self.assertEqual(type_of("?format=glb", Accept="image/png"), "model/gltf-binary")
         self.assertEqual(type_of("?format=svg"), "image/svg+xml")
         self.assertEqual(type_of("?format=gif"), 400)
 
@@ -450,7 +641,10 @@ class SubdivisionFigures(SmoothCase):
         super().setUpClass()
         cube = ("v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
                 "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n")
-        assert cls.daemon.request("PUT", "/v1/subdivisions/s", cube.encode(), {}).status == 201
+        sheet = "".join(f"v {x} {y} 0\n" for y in range(5) for x in range(5)) + "".join(
+            f"f {i} {i + 1} {i + 6} {i + 5}\n" for i in (5 * y + x + 1 for y in range(4) for x in range(4)))
+        for name, body in (("s", cube.encode()), ("sheet", sheet.encode()), ("prism", PRISM)):
+            assert cls.daemon.request("PUT", f"/v1/subdivisions/{name}", body, {}).status == 201
 
     def ends(self):
         places = [{"face": 1, "uv": [0.3, 0.4]}, {"face": 1, "uv": [0.8, 0.7]}]
@@ -467,9 +661,61 @@ class SubdivisionFigures(SmoothCase):
         points = [point["xyz"] for point in self.asked_of("path", pair)["path"]["points"]]
         self.assert_drawn(points, figure.lines(1) + figure.lines(1, dashed=True), project)
 
+    def test_the_control_net_has_the_edges_of_the_control_mesh(self):
+        figure, project = self.scene([{"control_net": {}, "hidden": "shown"}], self.ends())
+        corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+        edges = [(a, b) for a in corners for b in corners if a < b and math.dist(a, b) == 2]
+        scene = self.scene_of([{"control_net": {}, "color": "#777777"}], "s")
+        self.assertEqual({tuple(sorted(segment)) for segment in scene.segments("layer-0")}, set(edges))
+        self.assertEqual(sorted(scene.points("layer-0")), corners)
+        discs = [disc[:2] for disc in figure.discs(0)[1::2]]
+        self.assertEqual(len(discs), 8)
+        for corner in corners:
+            self.assertLess(min(math.dist(disc, project(corner)) for disc in discs), 0.05)
+        lines = [line for group in figure.groups["layer-0"] for path in group.iter(SVG + "path") for line in subpaths(path)]
+        self.assert_drawn([[(p + q) / 2 for p, q in zip(*edge)] for edge in edges], lines, project)
+        self.assertEqual(self.figure([{"control_net": {"points": False}}], "s").discs(0), [])
+
+    def test_the_control_net_of_polygons(self):
+        """The surface of polygons has other base faces than those of its control mesh."""
+        scene = self.scene_of([{"control_net": {}}], "prism")
+        bottom, top = [(1, 0, 0), (0, 1, 0), (-1, -1, 0)], [(1, 0, 2), (0, 1, 2), (-1, -1, 2)]
+        edges = [(a, b) for ring in (bottom, top) for a, b in zip(ring, ring[1:] + ring[:1])] + list(zip(bottom, top))
+        self.assertEqual(sorted(tuple(sorted(segment)) for segment in scene.segments("layer-0")), sorted(tuple(sorted(edge)) for edge in edges))
+        self.assertEqual(sorted(scene.points("layer-0")), sorted(bottom + top))
+
+    def test_a_field_is_the_distance_on_the_discretization(self):
+        """The limit surface of a flat control mesh is flat, so that distances are straight."""
+        places = [{"face": 0, "uv": [0.3, 0.4]}, {"face": 10, "uv": [0.9, 0.1]}]
+        seeds = [point["xyz"] for point in self.daemon.request("POST", "/v1/subdivisions/sheet/evaluate", json.dumps({"points": places}).encode(),
+                                                               {"Content-Type": "application/json"}).json["points"]]
+        scene = self.scene_of([{"field": {"points": places}}, {"isolines": {"levels": [0.75]}}], "sheet")
+        self.assertGreater(len(scene.places), 10000)
+        for place, distance in zip(scene.places, scene.distances):
+            self.assertAlmostEqual(distance, min(math.dist(place, seed) for seed in seeds), 5)
+        for segment in scene.segments("isolines"):
+            self.assertAlmostEqual(min(math.dist(segment[0], seed) for seed in seeds), 0.75, 5)
+        near = self.scene_of([{"field": {"points": places[:1]}, "max_distance": 1}], "sheet")
+        for place, distance in zip(near.places, near.distances):
+            far = math.dist(place, seeds[0])
+            self.assertTrue(distance == -1 if far > 1 + 1e-5 else far > 1 - 1e-5 or abs(distance - far) < 1e-5, (distance, far))
+        curved = self.scene_of([{"field": {"points": [{"face": 1, "uv": [0.5, 0.5]}]}}], "s")
+        to = {"face": 0, "uv": [0.5, 0.5]}
+        pair = self.asked_of("distance", {"from": {"face": 1, "uv": [0.5, 0.5]}, "to": to})
+        [opposite] = self.asked_of("evaluate", {"points": [to]})["points"]
+        nearest = min(range(len(curved.places)), key=lambda i: math.dist(curved.places[i], opposite["xyz"]))
+        self.assertAlmostEqual(curved.distances[nearest], pair["mesh_distance"], 5)
+
     def test_problems(self):
-        detail = self.refused([{"field": {"points": [{"vertex": 0}]}}], "/layers/0/field", "s")
-        self.assertIn("surface, path, trace, points", detail)
+        detail = self.refused([{"voronoi": {"set": {"points": [{"vertex": 0}]}}}], "/layers/0/voronoi", "s")
+        self.assertIn("surface, field, isolines, path, trace, points, control_net", detail)
+        self.refused([{"field": {"points": [{"vertex": 0}]}}], "/layers/0/field/points/0/vertex", "s")
+        self.refused([{"surface": {}}, {"field": {"points": [{"face": 0, "uv": [0, 0]}, {"face": 99, "uv": [0, 0]}]}}], "/layers/1/field/points/1/face", "s")
+        self.refused([{"field": {"points": []}}], "/layers/0/field/points", "s")
+        self.refused([{"field": 7}], "/layers/0/field", "s")
+        self.refused([{"field": {"points": [{"face": 0, "uv": [0, 0]}] * 1001}}], "/layers/0/field/points", "s", status=413, code="too_large")
+        self.refused([{"isolines": {"count": 3}}], "/layers/0/isolines", "s")
+        self.refused([{"cut": {"curve": {"points": []}}}], "/layers/0/cut", "s")
         self.refused([{"surface": {}}, {"points": [{"face": 99, "uv": [0, 0]}]}], "/layers/1/points/0/face", "s")
         self.refused([{"trace": {"start": {"face": 99, "uv": [0, 0]}, "fan": 3, "length": 1}}], "/layers/0/trace/start/face", "s")
         self.refused([{"isoparametric": {}}], "/layers/0/isoparametric", "s")
@@ -538,7 +784,45 @@ class NurbsFigures(SmoothCase):
             path = self.asked_of(query, body)
             self.assert_drawn([point["xyz"] for point in path["points"]], figure.lines(layer) + figure.lines(layer, dashed=True), project)
 
+    def test_a_field_is_the_distance_on_the_tessellation(self):
+        """In a flat domain with a hole the distance is a straight line, or a polyline around the
+        hole."""
+        source, hole = (0.2, 0.45), ((0.4, 0.2), (0.6, 0.2), (0.6, 0.8), (0.4, 0.8))
+
+        def is_free(a, b):
+            """Returns whether the hole leaves the segment free, at many points of the segment."""
+            places = [[p + k / 400 * (q - p) for p, q in zip(a, b)] for k in range(401)]
+            return not any(0.4 + 1e-6 < x < 0.6 - 1e-6 and 0.2 + 1e-6 < y < 0.8 - 1e-6 for x, y in places)
+
+        def expected(place):
+            if is_free(source, place):
+                return math.dist(source, place)
+            turns = [[a] for a in hole] + [[hole[0], hole[1]], [hole[3], hole[2]]]
+            routes = ([source, *turn, place] for turn in turns)
+            return min(sum(map(math.dist, route, route[1:])) for route in routes if all(map(is_free, route, route[1:])))
+
+        scene = self.scene_of([{"field": {"points": [source]}}, {"isolines": {"levels": [0.3]}}], "plate")
+        behind = 0
+        for place, distance in list(zip(scene.places, scene.distances))[::37]:
+            self.assertAlmostEqual(distance, expected(place[:2]), 5)
+            behind += distance > math.dist(source, place[:2]) + 1e-3
+        self.assertGreater(behind, 50)
+        for begin, _ in scene.segments("isolines"):
+            self.assertAlmostEqual(expected(begin[:2]), 0.3, 5)
+
+    def test_a_field_in_a_closed_direction(self):
+        """Parameters of a closed direction may be any number. The nearest point is the source."""
+        [source] = self.daemon.request("POST", "/v1/nurbs/torus/evaluate", json.dumps({"uv": [[1, 2]]}).encode(), {"Content-Type": "application/json"}).json["points"]
+        for u in (1, 1 + 2 * math.pi, 1 - 4 * math.pi):
+            scene = self.scene_of([{"field": {"points": [[u, 2]]}}], "torus")
+            place = scene.places[scene.distances.index(min(scene.distances))]
+            self.assertLess(math.dist(place, source["xyz"]), 0.1)
+
     def test_problems(self):
+        self.refused([{"field": {"points": [[0.1, 0.2], [9, 9]]}}], "/layers/0/field/points/1", "s", status=422, code="point_not_on_surface")
+        self.refused([{"field": {"points": [[0.5, 0.5]]}}], "/layers/0/field/points/0", "plate", status=422, code="point_not_on_surface")
+        self.refused([{"field": {"uv": [[0.1, 0.2]]}}], "/layers/0/field/uv", "s")
+        self.refused([{"field": {"points": [[0.1, 0.2]] * 1001}}], "/layers/0/field/points", "s", status=413, code="too_large")
         self.refused([{"points": [[0.1, 0.2], [9, 9]]}], "/layers/0/points/1", "s", status=422, code="point_not_on_surface")
         self.refused([{"path": {"from": [0, 0]}}], "/layers/0/path/to", "s")
         self.refused([{"trace": {}}], "/layers/0/trace", "s")

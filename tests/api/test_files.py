@@ -362,12 +362,16 @@ class Gltf(Files):
 @unittest.skipUnless((PEERS / "node_modules" / "gltf-validator").exists() and shutil.which("node"),
                      "without node, and gltf-validator and three from npm (make nurbs-peers), no other program reads our GLB")
 class Others(Files):
+    LAYERS = [{"field": {"points": [{"vertex": 0}]}}, {"isolines": {"count": 3}}, {"path": {"from": {"vertex": 0}, "to": {"vertex": 40}}, "label": "way"},
+              {"trace": {"start": {"vertex": 3}, "fan": 4, "length": 1}}, {"points": [{"vertex": 0}, {"vertex": 40}], "labels": ["a", "b"]}]
+
     def test_other_programs_read_the_files(self):
         path, values = self.values_of("torus")
         files = {"mesh": self.daemon.get("/v1/meshes/torus/content?format=glb").body, "field": self.get_file(path, "glb"),
                  "path": self.get_file(Paths.QUESTION, "glb"), "both": self.get_file(Paths.QUESTION + "&mesh=true", "glb"),
                  "isolines": self.get_file(path.replace("values", "isolines") + "?count=2&mesh=true", "glb"),
-                 **{f"motion{more}": self.daemon.ask("torus", f"spline?format=glb{more}", {**Splines.BODY, "frames": True}).body for more in ("", "&mesh=true")}}
+                 **{f"motion{more}": self.daemon.ask("torus", f"spline?format=glb{more}", {**Splines.BODY, "frames": True}).body for more in ("", "&mesh=true")},
+                 "figure": self.daemon.ask("torus", "picture?format=glb", {"layers": self.LAYERS}).body}
         with tempfile.TemporaryDirectory() as folder:
             for name, body in files.items():
                 (pathlib.Path(folder) / name).write_bytes(body)
@@ -377,7 +381,8 @@ class Others(Files):
         for name, report in reports.items():
             self.assertEqual((report["errors"], report["warnings"]), (0, 0), (name, report["messages"]))
         self.assertEqual([[o["type"] for o in report["objects"]] for report in reports.values()], [
-            ["Mesh"], ["Mesh"], ["Line"], ["Mesh", "Line"], ["Mesh", "Line", "Line", "Line"], ["Line", "LineSegments"], ["Mesh", "Line", "LineSegments"]])
+            ["Mesh"], ["Mesh"], ["Line"], ["Mesh", "Line"], ["Mesh", "Line", "Line", "Line"], ["Line", "LineSegments"], ["Mesh", "Line", "LineSegments"],
+            ["Mesh", "LineSegments", "LineSegments", "LineSegments", "Points"]])
         mesh = reports["mesh"]["objects"][0]
         sent = [line.split()[1:] for line in sample("torus", columns=12, rows=7).decode().splitlines() if line.startswith("v ")]
         for i, position in enumerate(sent):

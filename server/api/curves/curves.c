@@ -267,6 +267,17 @@ struct cut_query {
     bool (*work)(struct server_exchange *exchange);
 };
 
+/* A figure draws pieces. It stores no meshes, and selects no faces. */
+static bool cut_check_drawn(const struct proto_cut_request *wanted, struct proto_problem *problem)
+{
+    const char *member = wanted->names.count   ? "/names"
+                         : wanted->select_only ? "/select_only"
+                                               : NULL;
+    return !member || proto_problem_refuse(problem, member,
+                                           "a figure stores no pieces; leave out \"names\" and "
+                                           "\"select_only\"");
+}
+
 static bool cut_decode(struct server_query *query, const json_t *document)
 {
     struct proto_problem *problem = query->problem;
@@ -275,6 +286,7 @@ static bool cut_decode(struct server_query *query, const json_t *document)
     struct proto_cut_request *wanted = &cut->wanted;
     double snap;
     return proto_cut_request_decode(document, wanted, problem) &&
+           (!query->is_drawn || cut_check_drawn(wanted, problem)) &&
            proto_curve_locate(mesh, &wanted->curve, &cut->own.curve, problem) &&
            (!wanted->has_inside ||
             proto_point_locate(mesh, &wanted->inside, &cut->inside, &snap, problem));
@@ -377,7 +389,7 @@ static enum server_query_turn cut_solve(struct server_query *query)
     cut->own.use = cut_use;
     if (!curve_solve(&cut->own, CUT_BYTES + edges * CUT_BYTES_AN_EDGE, "the cut"))
         return SERVER_QUERY_FAILED;
-    if (cut->wanted.select_only) return SERVER_QUERY_DONE;
+    if (cut->wanted.select_only || query->is_drawn) return SERVER_QUERY_DONE;
     if (!pieces_build(cut)) return SERVER_QUERY_FAILED;
     cut->work = query->exchange->work;
     (void)server_request_write(query->exchange, pieces_store);
@@ -423,10 +435,44 @@ static bool cut_list_map(struct cut_query *cut, bool is_of_faces)
     return true;
 }
 
+/* Lists the pieces as one mesh, for a figure: positions and corners, and the index among them where
+ * each piece begins. */
+static bool cut_list_mesh(struct cut_query *cut)
+{
+    struct server_query *query = &cut->own.query;
+    uint32_t count = cut->cut.piece_count;
+    uint32_t *vertices = server_query_allocate(query, count + (size_t)1, sizeof *vertices),
+             *corners = server_query_allocate(query, count + (size_t)1, sizeof *corners);
+    for (uint32_t i = 0; vertices && corners && i < count; i++) {
+        const struct gd_polygons *polygons = &cut->cut.pieces[i].polygons;
+        vertices[i + 1] = vertices[i] + polygons->position_count;
+        corners[i + 1] = corners[i] + gd_polygons_corner_count(polygons);
+    }
+    bool ok = vertices && corners;
+    double(*positions)[3] =
+        ok ? server_query_allocate(query, vertices[count], sizeof *positions) : NULL;
+    uint32_t *all = ok ? server_query_allocate(query, corners[count], sizeof *all) : NULL;
+    if (!positions || !all) return server_query_refuse(query, GD_BUDGET, "the pieces");
+    for (uint32_t i = 0; i < count; i++) {
+        const struct gd_polygons *polygons = &cut->cut.pieces[i].polygons;
+        memcpy(positions + vertices[i], polygons->positions,
+               polygons->position_count * sizeof *positions);
+        for (uint32_t c = 0; c < corners[i + 1] - corners[i]; c++)
+            all[corners[i] + c] = polygons->corners[c] + vertices[i];
+    }
+    struct server_arrays *arrays = &query->arrays;
+    server_arrays_add_numbers(arrays, "positions", 3, vertices[count], positions[0]);
+    server_arrays_add_indices(arrays, "corners", 3, corners[count] / 3, all);
+    server_arrays_add_indices(arrays, "piece_vertices", 0, count + UINT64_C(1), vertices);
+    server_arrays_add_indices(arrays, "piece_corners", 0, count + UINT64_C(1), corners);
+    return true;
+}
+
 static bool cut_list_arrays(struct server_query *query)
 {
     struct cut_query *cut = (struct cut_query *)query;
     const struct gd_cut_piece *pieces = cut->cut.pieces;
+    if (query->is_drawn) return cut_list_mesh(cut);
     server_arrays_add_member(&query->arrays, "area", cut->cut.piece_count, &pieces->area,
                              sizeof *pieces);
     return cut_list_map(cut, true) && (cut->wanted.select_only || cut_list_map(cut, false));

@@ -1,5 +1,5 @@
-/* Picture: renders a mesh, a field on it and a path as a PNG or SVG file. Always runs on a
- * worker. */
+/* Picture: renders a surface, a field on it, a path and layers as a PNG, SVG or GLB file. Always
+ * runs on a worker. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -11,7 +11,6 @@
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/query.h"
-#include "server/surfaces/kinds.h"
 
 /* bytes that most pictures need */
 #define PICTURE_BYTES   ((size_t)8 << 20)
@@ -21,10 +20,7 @@
 
 #define PATH_SHARE   0.3 /* shares of the work, for the progress of a job */
 #define LAYERS_SHARE 0.5
-#define MESH_SHARE   0.1
-
-#define NURBS_FACES          40000 /* enough for smooth outlines */
-#define BYTES_PER_NURBS_FACE 400
+#define MESH_SHARE   0.3
 
 struct format {
     struct server_query_kind kind; /* must be the first member */
@@ -39,10 +35,8 @@ struct picture {
     struct proto_picture wanted;
     struct gd_pair_answer route;
     struct server_picture_layers layers;
-    const struct gd_mesh *mesh;                   /* the surface's, or the mesh of one of these: */
-    struct server_discretization *discretization; /* of a subdivision surface */
-    struct gd_tessellation *tessellation;         /* of a NURBS surface */
-    void *file;                                   /* NULL: not rendered yet, or already replied */
+    struct server_picture_surface surface;
+    void *file; /* NULL: not rendered yet, or already replied */
     size_t size;
 };
 
@@ -51,8 +45,7 @@ static void picture_release(struct server_query *query)
     struct picture *picture = (struct picture *)query;
     free(picture->file);
     server_picture_layers_free(&picture->layers);
-    server_discretization_release(picture->discretization);
-    gd_tessellation_release(picture->tessellation);
+    server_picture_surface_close(&picture->surface);
     gd_pair_answer_free(&picture->route);
     proto_picture_free(&picture->wanted);
 }
@@ -75,64 +68,8 @@ static bool picture_decode(struct server_query *query, const json_t *document)
     struct proto_picture *wanted = &picture->wanted;
     if (!proto_picture_decode(document, wanted, query->problem)) return false;
     picture->layers.wanted = &wanted->request.layers;
-    return server_picture_layers_decode(&picture->layers, query, document) &&
-           (!wanted->set || server_field_query_of_set(query, wanted->set, wanted->max_distance));
-}
-
-/* --- the mesh --------------------------------------------------------------------------------- */
-
-static enum gd_status subdivision_mesh(struct picture *picture, struct gd_detail *detail)
-{
-    struct server_query *query = &picture->query;
-    struct server_subdivision *subdivision = server_subdivision_of(query->surface);
-    struct server_monitor monitor = server_query_monitor(query, 0, MESH_SHARE);
-    const struct server_discretization_request request = {
-        .slot = &subdivision->slot,
-        .surface = subdivision->surface,
-        .level = gd_limit_mesh_usual_level(subdivision->surface),
-        .control = server_exchange_control(&monitor),
-        .detail = detail};
-    enum gd_status status = server_discretizations_get(query->exchange->host->api->discretizations,
-                                                       &request, &picture->discretization);
-    if (!status) picture->mesh = gd_limit_mesh_mesh(picture->discretization->mesh);
-    return status;
-}
-
-static enum gd_status nurbs_mesh(struct picture *picture, struct gd_detail *detail)
-{
-    struct server_query *query = &picture->query;
-    struct server_monitor monitor = server_query_monitor(query, 0, MESH_SHARE);
-    struct server_budgeted_call call = server_query_begin_call(
-        query, &monitor, PICTURE_BYTES + (size_t)NURBS_FACES * BYTES_PER_NURBS_FACE);
-    while (server_budgeted_call_next(&call)) {
-        call.status = gd_tessellation_build(server_nurbs_of(query->surface)->surface,
-                                            &(struct gd_tessellation_options){.faces = NURBS_FACES},
-                                            &call.control, &picture->tessellation, detail);
-        if (!call.status) call.kept = gd_tessellation_memsize(picture->tessellation);
-    }
-    if (!call.status) picture->mesh = gd_tessellation_mesh(picture->tessellation);
-    return call.status;
-}
-
-/* Finds or builds the mesh that is drawn. */
-static bool picture_find_mesh(struct picture *picture)
-{
-    struct server_query *query = &picture->query;
-    const struct server_kind *kind = query->surface->record->kind;
-    struct gd_detail detail = {0};
-    enum gd_status status = GD_OK;
-    if (picture->mesh) return true;
-    if (kind == &server_kind_subdivision)
-        status = subdivision_mesh(picture, &detail);
-    else if (kind == &server_kind_nurbs)
-        status = nurbs_mesh(picture, &detail);
-    else
-        picture->mesh = query->surface->mesh;
-    if (!status) return true;
-    if (status == GD_BUDGET || !detail.text[0])
-        return server_query_refuse(query, status, "the mesh of the figure");
-    server_metrics_count_status(query->exchange->host->metrics, status);
-    return proto_problem_from_status(query->problem, status, &detail);
+    picture->layers.surface = &picture->surface;
+    return server_picture_layers_decode(&picture->layers, query, document);
 }
 
 /* --- the scene -------------------------------------------------------------------------------- */
@@ -166,10 +103,12 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
     struct server_monitor first = server_monitor_portion(part, 0, PATH_SHARE),
                           second = server_monitor_portion(part, PATH_SHARE, 1 - PATH_SHARE);
     struct gd_picture *wanted = &picture->wanted.picture;
-    if (!picture_find_mesh(picture) || !picture_find_route(picture, &first))
+    if (!server_picture_surface_open(&picture->surface, query, MESH_SHARE) ||
+        !picture_find_route(picture, &first))
         return SERVER_QUERY_FAILED;
-    const struct gd_mesh_summary *summary = gd_mesh_summary(picture->mesh);
-    wanted->mesh = picture->mesh;
+    const struct gd_mesh_summary *summary = gd_mesh_summary(picture->surface.mesh);
+    if (!field) field = picture->surface.field;
+    wanted->mesh = picture->surface.mesh;
     wanted->field = field;
     wanted->path = picture->route.path.count ? &picture->route.path : NULL;
     wanted->layers = picture->layers.drawn;
@@ -188,9 +127,10 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
     return SERVER_QUERY_DONE;
 }
 
+/* Returns whether the picture is drawn with a field of the mesh. */
 static bool picture_has_field(const struct picture *picture)
 {
-    return picture->wanted.field || picture->wanted.has_source || picture->wanted.set;
+    return picture->wanted.field || picture->wanted.has_source || picture->layers.has_set;
 }
 
 /* Solves the layers before the field is claimed: a layer that needs the same field would wait
@@ -251,6 +191,11 @@ static const struct format svg = {
     .policy = "default-src 'none'; img-src data:; sandbox",
     .render = gd_picture_svg};
 
+static const struct format glb = {
+    .kind = {.name = "picture.glb", .reply_form = "glb", PICTURE_STEPS},
+    .media_type = "model/gltf-binary",
+    .render = gd_picture_glb};
+
 void server_handle_picture_png(struct server_exchange *exchange)
 {
     picture_handle(exchange, &png);
@@ -261,22 +206,27 @@ void server_handle_picture_svg(struct server_exchange *exchange)
     picture_handle(exchange, &svg);
 }
 
-/* Chooses the format by ?format= if given, else by Accept, where PNG wins a tie. */
+/* Chooses the format by ?format= if given, else by Accept, where the first in the list wins a
+ * tie. */
 void server_handle_picture(struct server_exchange *exchange)
 {
-    static const struct format *const formats[] = {&png, &svg};
+    static const struct format *const formats[] = {&png, &svg, &glb};
+    enum { FORMATS = sizeof formats / sizeof *formats };
     const char *accept = server_exchange_header(exchange, "Accept");
     struct proto_problem problem;
-    unsigned format =
-        proto_accept_quality(accept, svg.media_type) > proto_accept_quality(accept, png.media_type);
+    unsigned best = 0;
+    for (unsigned i = 1; i < FORMATS; i++)
+        if (proto_accept_quality(accept, formats[i]->media_type) >
+            proto_accept_quality(accept, formats[best]->media_type))
+            best = i;
     bool is_given = proto_parameters_get(&exchange->parameters, "format") != NULL;
     if (!server_reply_check(exchange,
                             proto_parameters_choice(&exchange->parameters, "format",
-                                                    proto_picture_format_words, &format, &problem),
+                                                    proto_picture_format_words, &best, &problem),
                             &problem))
         return;
     if (is_given)
-        server_query_handle(exchange, &formats[format]->kind);
+        server_query_handle(exchange, &formats[best]->kind);
     else
-        picture_handle(exchange, formats[format]);
+        picture_handle(exchange, formats[best]);
 }

@@ -6,24 +6,16 @@
 #include <string.h>
 
 #include "generated/fields.h"
-#include "gd/nurbs.h"
 #include "server/query/handlers.h"
+#include "server/api/surfaces/picture_nets.h"
+#include "server/api/surfaces/picture_pieces.h"
 #include "server/surfaces/kinds.h"
 
-#define POINTS_MOST   4000000u /* points of all layers */
-#define FRAME_LENGTH  0.04     /* of the vectors of a frame, relative to the surface's diagonal */
+#define FRAME_LENGTH  0.04 /* of the vectors of a frame, relative to the surface's diagonal */
 #define CONTROL_WIDTH 1.2
-#define CONTROL_MARK  2.4
 #define FRAME_WIDTH   1.4
-#define NET_COLOUR    0x3d4552
-#define NET_WIDTH     1.2
-#define ISO_WIDTH     1.0
 
-enum {
-    MARKS_MOST = 10000, /* points of a layer */
-    ISO_POINTS = 193,   /* of a line of constant u or v */
-    ISO_HALVINGS = 40   /* of the interval in which such a line leaves the domain */
-};
+enum { MARKS_MOST = 10000 }; /* points of a layer */
 
 /* How a kind of surface draws layers of one form; all zero: it has no such layers. */
 struct layer_rule {
@@ -55,19 +47,24 @@ static const struct layer_rule mesh_rules[] = {
     [PROTO_PICTURE_LAYER_CURVE_DISTANCE] = PART(curve_distance, curve_distance, NULL),
     [PROTO_PICTURE_LAYER_VORONOI] = PART(voronoi, voronoi, "bisectors"),
     [PROTO_PICTURE_LAYER_CUT_LOCUS] = PART(cut_locus, cut_locus, "lines"),
+    [PROTO_PICTURE_LAYER_CUT] = PART(cut, cut, NULL),
     [PROTO_PICTURE_LAYER_POINTS] = OWN,
     [PROTO_PICTURE_LAYER_CONTROL_NET] = {0}};
 
 static const struct layer_rule subdivision_rules[] = {
     [PROTO_PICTURE_LAYER_SURFACE] = OWN,
+    [PROTO_PICTURE_LAYER_FIELD] = OWN,
+    [PROTO_PICTURE_LAYER_ISOLINES] = OWN,
     [PROTO_PICTURE_LAYER_PATH] = PART(subdivision_path, limit_path, NULL),
     [PROTO_PICTURE_LAYER_TRACE] = PART(subdivision_trace, limit_trace, NULL),
     [PROTO_PICTURE_LAYER_POINTS] = {true, &server_query_subdivision_evaluate,
                                     proto_limit_jet_fields, "xyz", "points"},
-    [PROTO_PICTURE_LAYER_CONTROL_NET] = {0}};
+    [PROTO_PICTURE_LAYER_CONTROL_NET] = OWN};
 
 static const struct layer_rule nurbs_rules[] = {
     [PROTO_PICTURE_LAYER_SURFACE] = OWN,
+    [PROTO_PICTURE_LAYER_FIELD] = OWN,
+    [PROTO_PICTURE_LAYER_ISOLINES] = OWN,
     [PROTO_PICTURE_LAYER_PATH] = PART(nurbs_geodesic, geodesic, NULL),
     [PROTO_PICTURE_LAYER_CURVE_DISTANCE] = PART(nurbs_curve_distance, geodesic, NULL),
     [PROTO_PICTURE_LAYER_POINTS] = {true, &server_query_nurbs_evaluate, proto_jet_fields, "xyz",
@@ -124,41 +121,6 @@ static bool problem_place(const struct server_picture_layers *layers, uint32_t i
     size_t length = strlen(problem->pointer);
     snprintf(problem->pointer + length, sizeof problem->pointer - length, "%s", inner);
     return false;
-}
-
-/* --- drawn layers ----------------------------------------------------------------------------- */
-
-/* Adds a layer with the pen of the request's layer. */
-static struct gd_picture_layer *drawn_add(struct server_picture_layers *layers, uint32_t i)
-{
-    const struct proto_picture_layer *wanted = &layers->wanted->items[i];
-    struct gd_picture_layer *drawn = &layers->drawn[layers->count++];
-    *drawn = (struct gd_picture_layer){.id = i,
-                                       .name = wanted->label.text[0] ? wanted->label.text : NULL,
-                                       .colour = wanted->has_color ? wanted->color : 0,
-                                       .width = wanted->has_width ? wanted->width : 0,
-                                       .hidden = wanted->has_hidden ? (enum gd_hidden)wanted->hidden
-                                                                    : GD_HIDDEN_FAINT};
-    return drawn;
-}
-
-/* Allocates points that are freed with the figure's query. On failure, sets the problem and returns
- * NULL. */
-static struct gd_vec3 *points_allocate(struct server_picture_layers *layers,
-                                       struct server_query *query, uint64_t count)
-{
-    layers->points += count;
-    if (layers->points > POINTS_MOST) {
-        (void)proto_problem_exceed(
-            query->problem, NULL, POINTS_MOST,
-            "the lines of this layer and of those before it have %llu points, more than %u; ask "
-            "for fewer or shorter lines",
-            (unsigned long long)layers->points, POINTS_MOST);
-        return NULL;
-    }
-    struct gd_vec3 *points = server_query_allocate(query, count, sizeof *points);
-    if (!points) server_query_refuse(query, GD_BUDGET, "the figure");
-    return points;
 }
 
 /* --- decoding --------------------------------------------------------------------------------- */
@@ -222,6 +184,30 @@ static bool points_decode(struct server_picture_layers *layers, struct server_qu
     return ok;
 }
 
+/* Names the set of the layer `field` on a mesh. */
+static bool set_decode(struct server_picture_layers *layers, struct server_query *query, uint32_t i,
+                       const json_t *body)
+{
+    const struct proto_picture_layer *wanted = &layers->wanted->items[i];
+    char place[PROTO_KEPT_PLACE + sizeof "/field"];
+    struct proto_set set;
+    snprintf(place, sizeof place, "%s/field", wanted->place);
+    layers->has_set = true;
+    return proto_set_decode(body, place, &set, query->problem) &&
+           server_field_query_of_set(query, &set,
+                                     wanted->has_max_distance ? wanted->max_distance : 0);
+}
+
+static bool field_decode(struct server_picture_layers *layers, struct server_query *query,
+                         uint32_t i, const json_t *body)
+{
+    if (rules_of(query) == mesh_rules) return set_decode(layers, query, i, body);
+    const struct proto_picture_layer *wanted = &layers->wanted->items[i];
+    layers->surface->max_distance = wanted->has_max_distance ? wanted->max_distance : 0;
+    return server_picture_surface_decode(layers->surface, query, body) ||
+           problem_place(layers, i, query);
+}
+
 static bool layer_decode(struct server_picture_layers *layers, struct server_query *query,
                          uint32_t i, json_t *body)
 {
@@ -229,6 +215,7 @@ static bool layer_decode(struct server_picture_layers *layers, struct server_que
     if (!rule_check(query, wanted)) return false;
     if (rules_of(query)[wanted->form].kind)
         return part_decode(layers, query, i, body) || problem_place(layers, i, query);
+    if (wanted->form == PROTO_PICTURE_LAYER_FIELD) return field_decode(layers, query, i, body);
     return wanted->form != PROTO_PICTURE_LAYER_POINTS || points_decode(layers, query, i, body);
 }
 
@@ -264,7 +251,7 @@ static bool lines_take(struct server_picture_layers *layers, struct server_query
                        const struct server_array *points, const struct server_array *first,
                        struct gd_picture_layer *drawn)
 {
-    struct gd_vec3 *positions = points_allocate(layers, query, points->rows);
+    struct gd_vec3 *positions = server_drawn_points(layers, query, points->rows);
     uint32_t *begin = server_query_allocate(query, first->rows, sizeof *begin);
     if (!positions) return false;
     if (!begin) return server_query_refuse(query, GD_BUDGET, "the figure");
@@ -281,7 +268,7 @@ static bool lines_take(struct server_picture_layers *layers, struct server_query
 static bool controls_draw(struct server_picture_layers *layers, struct server_query *query,
                           uint32_t i, const struct server_arrays *arrays)
 {
-    struct gd_picture_layer *lines = drawn_add(layers, i);
+    struct gd_picture_layer *lines = server_drawn_add(layers, i);
     *lines = (struct gd_picture_layer){.id = i,
                                        .colour = GD_PICTURE_RGB(0x3d4552),
                                        .width = CONTROL_WIDTH,
@@ -289,15 +276,15 @@ static bool controls_draw(struct server_picture_layers *layers, struct server_qu
     if (!lines_take(layers, query, server_arrays_find(arrays, "controls"),
                     server_arrays_find(arrays, "controls_first"), lines))
         return false;
-    struct gd_vec3 *ends = points_allocate(layers, query, lines->count);
+    struct gd_vec3 *ends = server_drawn_points(layers, query, lines->count);
     if (!ends) return false;
     for (uint32_t k = 0; k < lines->count; k++)
         ends[k] = lines->points[k % 2 ? lines->first[k] : lines->first[k + 1] - 1];
-    struct gd_picture_layer *marks = drawn_add(layers, i);
+    struct gd_picture_layer *marks = server_drawn_add(layers, i);
     *marks = *lines;
     marks->points = ends;
     marks->first = NULL;
-    marks->width = CONTROL_MARK;
+    marks->width = SERVER_DRAWN_MARK;
     return true;
 }
 
@@ -317,7 +304,7 @@ static bool frames_draw(struct server_picture_layers *layers, struct server_quer
     frames->read(frames->source, 0, frames->rows, rows);
     for (uint32_t k = 0; k <= count; k++) first[k] = 2 * k;
     for (int v = 0; v < VECTORS; v++) {
-        struct gd_vec3 *points = points_allocate(layers, query, 2 * (uint64_t)count);
+        struct gd_vec3 *points = server_drawn_points(layers, query, 2 * (uint64_t)count);
         if (!points) return false;
         for (uint32_t k = 0; k < count; k++) {
             const double *at = rows[(size_t)k * every], *along = at + 4 + 3 * (ptrdiff_t)v;
@@ -325,7 +312,7 @@ static bool frames_draw(struct server_picture_layers *layers, struct server_quer
             points[2 * k + 1] = gd_vec3_along(points[2 * k], length,
                                               (struct gd_vec3){along[0], along[1], along[2]});
         }
-        struct gd_picture_layer *drawn = drawn_add(layers, i);
+        struct gd_picture_layer *drawn = server_drawn_add(layers, i);
         *drawn = (struct gd_picture_layer){.id = i,
                                            .points = points,
                                            .first = first,
@@ -343,7 +330,7 @@ static bool marks_draw(struct server_picture_layers *layers, struct server_query
                        const struct gd_vec3 *points, uint32_t count)
 {
     const struct proto_picture_layer *wanted = &layers->wanted->items[i];
-    struct gd_picture_layer *drawn = drawn_add(layers, i);
+    struct gd_picture_layer *drawn = server_drawn_add(layers, i);
     drawn->points = points;
     drawn->count = count;
     drawn->width = wanted->radius;
@@ -354,7 +341,7 @@ static bool located_draw(struct server_picture_layers *layers, struct server_que
                          uint32_t i)
 {
     const struct proto_located_points *located = &layers->located[i];
-    struct gd_vec3 *points = points_allocate(layers, query, located->count);
+    struct gd_vec3 *points = server_drawn_points(layers, query, located->count);
     for (uint32_t k = 0; points && k < located->count; k++)
         points[k] = gd_point_position(located->mesh, &located->points[k]);
     return points && marks_draw(layers, query, i, points, located->count);
@@ -368,11 +355,13 @@ static bool part_draw(struct server_picture_layers *layers, struct server_query 
     const struct server_arrays *arrays = &part->arrays;
     if (wanted->form == PROTO_PICTURE_LAYER_POINTS) {
         const struct server_array *xyz = server_arrays_find(arrays, "xyz");
-        struct gd_vec3 *points = points_allocate(layers, query, xyz->rows);
+        struct gd_vec3 *points = server_drawn_points(layers, query, xyz->rows);
         if (points) rows_copy(xyz, points);
         return points && marks_draw(layers, query, i, points, (uint32_t)xyz->rows);
     }
-    struct gd_picture_layer *drawn = drawn_add(layers, i);
+    if (wanted->form == PROTO_PICTURE_LAYER_CUT)
+        return server_pieces_draw(layers, query, i, arrays);
+    struct gd_picture_layer *drawn = server_drawn_add(layers, i);
     if (!lines_take(layers, query, server_arrays_find(arrays, "points"),
                     server_arrays_find(arrays, "first"), drawn))
         return false;
@@ -385,151 +374,6 @@ static bool part_draw(struct server_picture_layers *layers, struct server_query 
            (!wanted->frames || frames_draw(layers, query, i, server_arrays_find(arrays, "frames")));
 }
 
-/* --- NURBS ------------------------------------------------------------------------------------ */
-
-/* Sets `count` lines of `length` points each, and returns the array for their points. On failure,
- * sets the problem and returns NULL. */
-static struct gd_vec3 *grid_lines(struct server_picture_layers *layers, struct server_query *query,
-                                  uint32_t count, uint32_t length, struct gd_picture_layer *drawn)
-{
-    struct gd_vec3 *points = points_allocate(layers, query, (uint64_t)count * length);
-    uint32_t *first = server_query_allocate(query, count + (size_t)1, sizeof *first);
-    if (points && !first) server_query_refuse(query, GD_BUDGET, "the figure");
-    if (!points || !first) return NULL;
-    for (uint32_t k = 0; k <= count; k++) first[k] = k * length;
-    drawn->points = points;
-    drawn->first = first;
-    drawn->count = count;
-    return points;
-}
-
-static double axis_at(const struct gd_axis *axis, double part)
-{
-    return part < 1 ? axis->low + part * (axis->high - axis->low) : axis->high;
-}
-
-/* A line of constant u (side 0) or v (side 1). */
-struct iso_line {
-    const struct gd_parametric *surface;
-    int side;
-    double at; /* the constant parameter */
-};
-
-static bool iso_is_inside(const struct iso_line *line, double on)
-{
-    return gd_parametric_contains(line->surface, line->side ? on : line->at,
-                                  line->side ? line->at : on);
-}
-
-/* Returns where the line leaves the domain between a place inside and a place outside. */
-static double iso_border(const struct iso_line *line, double inside, double outside)
-{
-    for (int i = 0; i < ISO_HALVINGS; i++) {
-        double middle = (inside + outside) / 2;
-        *(iso_is_inside(line, middle) ? &inside : &outside) = middle;
-    }
-    return inside;
-}
-
-static bool iso_add(const struct iso_line *line, double on, struct server_query *query,
-                    struct gd_vec3 **points)
-{
-    struct gd_jet jet;
-    enum gd_status status = gd_parametric_evaluate(line->surface, line->side ? on : line->at,
-                                                   line->side ? line->at : on, &jet);
-    if (status) return server_query_refuse(query, status, "the figure");
-    *(*points)++ = jet.x;
-    return true;
-}
-
-/* Adds the parts of a line that are inside the domain. */
-static bool iso_draw_line(const struct iso_line *line, const struct gd_axis *along,
-                          struct server_query *query, struct gd_vec3 **points,
-                          struct gd_picture_layer *drawn)
-{
-    uint32_t *first = (uint32_t *)drawn->first;
-    bool was_inside = false, ok = true;
-    double before = 0;
-    for (uint32_t t = 0; t < ISO_POINTS && ok; t++) {
-        double on = axis_at(along, (double)t / (ISO_POINTS - 1));
-        bool is_inside = iso_is_inside(line, on);
-        if (t && is_inside && !was_inside)
-            ok = iso_add(line, iso_border(line, on, before), query, points);
-        if (was_inside && !is_inside)
-            ok = iso_add(line, iso_border(line, before, on), query, points);
-        if (ok && is_inside) ok = iso_add(line, on, query, points);
-        if (is_inside ? t + 1 == ISO_POINTS : was_inside)
-            first[++drawn->count] = (uint32_t)(*points - drawn->points);
-        was_inside = is_inside;
-        before = on;
-    }
-    return ok;
-}
-
-/* Adds lines at equal steps of one parameter: u (0) or v (1). */
-static bool isoparametric_draw(struct server_picture_layers *layers, struct server_query *query,
-                               uint32_t i, int side)
-{
-    const struct proto_picture_layer *wanted = &layers->wanted->items[i];
-    struct iso_line line = {.surface = server_nurbs_of(query->surface)->surface, .side = side};
-    const struct gd_axis *axes[] = {gd_parametric_axis_u(line.surface),
-                                    gd_parametric_axis_v(line.surface)},
-                         *across = axes[side], *along = axes[!side];
-    uint32_t parts = side ? wanted->isoparametric.v : wanted->isoparametric.u,
-             count = parts ? parts + !across->closed : 0;
-    struct gd_picture_layer *drawn = drawn_add(layers, i);
-    /* at most every second point begins a part, and has a point of the border on each side */
-    struct gd_vec3 *points = grid_lines(layers, query, count * ISO_POINTS / 2 + 1, 4, drawn);
-    if (!points) return false;
-    drawn->count = 0;
-    drawn->width = wanted->has_width ? wanted->width : ISO_WIDTH;
-    if (!wanted->has_color) drawn->colour = GD_PICTURE_RGB(NET_COLOUR);
-    if (!wanted->has_hidden) drawn->hidden = GD_HIDDEN_NONE;
-    if (side) drawn->name = NULL;
-    for (uint32_t k = 0; k < count; k++) {
-        line.at = axis_at(across, (double)k / parts);
-        if (!iso_draw_line(&line, along, query, &points, drawn)) return false;
-    }
-    return true;
-}
-
-/* Adds the lines of the control net in one direction: of constant i (0) or j (1). */
-static bool net_draw_lines(struct server_picture_layers *layers, struct server_query *query,
-                           uint32_t i, const uint32_t counts[2], int side)
-{
-    const struct proto_picture_layer *wanted = &layers->wanted->items[i];
-    const struct gd_parametric *surface = server_nurbs_of(query->surface)->surface;
-    struct gd_picture_layer *drawn = drawn_add(layers, i);
-    struct gd_vec3 *points = grid_lines(layers, query, counts[side], counts[!side], drawn);
-    if (!points) return false;
-    drawn->width = wanted->has_width ? wanted->width : NET_WIDTH;
-    if (!wanted->has_color) drawn->colour = GD_PICTURE_RGB(NET_COLOUR);
-    if (side) drawn->name = NULL;
-    for (uint32_t k = 0; k < counts[side]; k++)
-        for (uint32_t t = 0; t < counts[!side]; t++)
-            *points++ = gd_nurbs_control_point(surface, side ? t : k, side ? k : t);
-    return true;
-}
-
-static bool net_draw(struct server_picture_layers *layers, struct server_query *query, uint32_t i)
-{
-    uint32_t counts[2];
-    if (!gd_nurbs_counts(server_nurbs_of(query->surface)->surface, counts))
-        return proto_problem_refuse(query->problem, "",
-                                    "only a surface of control points has a control net");
-    if (!net_draw_lines(layers, query, i, counts, 0)) return false;
-    const struct gd_picture_layer *lines = &layers->drawn[layers->count - 1];
-    if (!net_draw_lines(layers, query, i, counts, 1)) return false;
-    if (!layers->wanted->items[i].control_net.points) return true;
-    struct gd_picture_layer *marks = drawn_add(layers, i);
-    *marks = *lines;
-    marks->first = NULL;
-    marks->name = NULL;
-    marks->count = lines->first[lines->count];
-    marks->width = CONTROL_MARK;
-    return true;
-}
-
 /* Draws a layer whose content is not the answer of an operation. */
 static bool own_draw(struct server_picture_layers *layers, struct server_query *query, uint32_t i)
 {
@@ -538,10 +382,10 @@ static bool own_draw(struct server_picture_layers *layers, struct server_query *
     case PROTO_PICTURE_LAYER_POINTS:
         return located_draw(layers, query, i);
     case PROTO_PICTURE_LAYER_ISOPARAMETRIC:
-        ok = isoparametric_draw(layers, query, i, 0) && isoparametric_draw(layers, query, i, 1);
+        ok = server_isoparametric_draw(layers, query, i);
         break;
     case PROTO_PICTURE_LAYER_CONTROL_NET:
-        ok = net_draw(layers, query, i);
+        ok = server_control_net_draw(layers, query, i);
         break;
     default: /* belongs to the surface */
         return true;

@@ -6,20 +6,7 @@
 #ifndef SERVER_API_SURFACES_PICTURE_LAYERS_H
 #define SERVER_API_SURFACES_PICTURE_LAYERS_H
 
-#include "proto/queries/picture.h"
-#include "server/query/query.h"
-
-struct server_picture_layers {                                     /* all zero: none */
-    const struct proto_picture_layer_list *wanted;                 /* borrowed */
-    struct server_query *parts[PROTO_PICTURE_REQUEST_LAYERS_MOST]; /* of each layer, or NULL */
-    /* for each layer of the kind `points` on a mesh: its located points */
-    struct proto_located_points located[PROTO_PICTURE_REQUEST_LAYERS_MOST];
-    uint32_t next;   /* first part to solve */
-    bool is_begun;   /* that part's try_inline ran */
-    uint64_t points; /* of all layers so far */
-    struct gd_picture_layer drawn[GD_PICTURE_LAYERS];
-    uint32_t count;
-};
+#include "server/api/surfaces/picture_drawing.h"
 
 /* Creates the parts of the request's layers, and locates their points. The figure's query holds the
  * memory. On failure returns false with the problem, which points at the layer. */

@@ -1,0 +1,14 @@
+/* Picture pieces: the layer `cut` of a figure. The pieces of a cut, apart from each other, replace
+ * the surface, and their boundaries are lines. */
+#ifndef SERVER_API_SURFACES_PICTURE_PIECES_H
+#define SERVER_API_SURFACES_PICTURE_PIECES_H
+
+#include "server/api/surfaces/picture_drawing.h"
+
+/* Builds the mesh of the pieces as the figure's surface and adds their boundaries as layer i.
+ * `arrays` are those of a cut that is drawn: positions, corners, piece_vertices, piece_corners. On
+ * failure returns false with the problem. */
+bool server_pieces_draw(struct server_picture_layers *layers, struct server_query *query,
+                        uint32_t i, const struct server_arrays *arrays);
+
+#endif

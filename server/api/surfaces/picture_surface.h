@@ -1,0 +1,34 @@
+/* Picture surface: the mesh that a figure shows. For a mesh it is the mesh itself, or the pieces of
+ * a cut; for a smooth surface a mesh that approximates it. Also the field of a smooth surface, which
+ * is the exact field of that mesh. */
+#ifndef SERVER_API_SURFACES_PICTURE_SURFACE_H
+#define SERVER_API_SURFACES_PICTURE_SURFACE_H
+
+#include "proto/queries/picture.h"
+#include "server/fields/discretizations.h"
+#include "server/query/query.h"
+
+struct server_picture_surface {                   /* all zero: nothing is known yet */
+    const struct gd_mesh *mesh;                   /* the surface's, or the mesh of one of these: */
+    struct server_discretization *discretization; /* of a subdivision surface */
+    struct gd_tessellation *tessellation;         /* of a NURBS surface */
+    struct gd_mesh *pieces;                       /* of a cut */
+    /* seeds of the field of a smooth surface; at most one list has items */
+    struct proto_uvs uvs;
+    struct proto_limit_places places;
+    double max_distance; /* of that field; 0: no limit */
+    struct gd_field *field;
+};
+
+/* Decodes the body of the layer `field` of a smooth surface. Pointers of problems are relative to
+ * the body. */
+bool server_picture_surface_decode(struct server_picture_surface *surface,
+                                   struct server_query *query, const json_t *body);
+
+/* Finds or builds the mesh, and the field if there are seeds. They are the fraction `share` of the
+ * query's work. On failure returns false with the problem. */
+bool server_picture_surface_open(struct server_picture_surface *surface, struct server_query *query,
+                                 double share);
+void server_picture_surface_close(struct server_picture_surface *surface);
+
+#endif
