@@ -1788,6 +1788,26 @@ export type LimitDirection = {
 
 export type LimitPoints = (LimitPoint | Vector)[];
 
+export type LevelRequest = {
+  /**
+   * Level of the discretization: each edge of the control mesh becomes 2^level edges. At least
+   * `least_level`, by default `usual_level`; the description of the surface has both.
+   */
+  level?: number;
+  /**
+   * The queries that will use the level. - `traces`: `trace`. Only the vertices are built. -
+   * `paths`: `distance`, `path`, `picture`, and `trace` with `stop_at_self_intersection`. A
+   * complete mesh is built, which takes more time and memory. - `all`: both.
+   */
+  use?: ("all" | "traces" | "paths");
+};
+
+export type LevelAnswer = {
+  level: Count;
+  /** Memory of what the request names. */
+  bytes: Count;
+};
+
 export type LimitPairRequest = {
   from: LimitPlace;
   to: LimitPlace;
@@ -2498,6 +2518,11 @@ export interface SubdivisionQueries {
   "trace": {
     body: LimitTraceRequest;
     answer: LimitTraceAnswer;
+  };
+  /** Build a level of the surface ahead */
+  "levels": {
+    body: LevelRequest;
+    answer: LevelAnswer;
   };
   /** Get the geodesic distance between two places */
   "distance": {

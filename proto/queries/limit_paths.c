@@ -20,6 +20,20 @@ bool proto_limit_level_decode(const json_t *document, const struct gd_subdivisio
     return true;
 }
 
+bool proto_limit_level_request(const json_t *document, const struct gd_subdivision *surface,
+                               struct proto_limit_level *out, struct proto_problem *problem)
+{
+    struct proto_level_request request;
+    struct proto_limit_level wanted;
+    if (!proto_level_request_decode(document, &request, problem) ||
+        !proto_limit_level_decode(document, surface, &wanted.level, problem))
+        return false;
+    wanted.for_traces = request.use != PROTO_USE_PATHS;
+    wanted.for_paths = request.use != PROTO_USE_TRACES;
+    *out = wanted;
+    return true;
+}
+
 bool proto_limit_trace_decode(const json_t *document, const struct gd_subdivision *surface,
                               struct proto_limit_trace *out, struct proto_problem *problem)
 {

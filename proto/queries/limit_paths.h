@@ -21,6 +21,15 @@ struct proto_limit_trace { /* all zero: empty */
 bool proto_limit_level_decode(const json_t *document, const struct gd_subdivision *surface,
                               uint32_t *out, struct proto_problem *problem);
 
+struct proto_limit_level {
+    uint32_t level;
+    bool for_traces, for_paths;
+};
+
+/* Decodes a request to build a level ahead. Problem: invalid_request. */
+bool proto_limit_level_request(const json_t *document, const struct gd_subdivision *surface,
+                               struct proto_limit_level *out, struct proto_problem *problem);
+
 /* Decodes the body of a request. Problems: invalid_request, point_not_on_surface, too_large,
  * insufficient_memory. The caller frees the result by proto_limit_trace_request_free. */
 bool proto_limit_trace_decode(const json_t *document, const struct gd_subdivision *surface,

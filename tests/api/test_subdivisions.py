@@ -7,7 +7,7 @@ import threading
 import unittest
 
 from harness import SQUARE, Folder, TestCase
-from subdivisions import CUBE, CUBE_USD, MIDDLE, MIRROR, OCTAHEDRON, Subdivisions
+from subdivisions import CUBE, CUBE_USD, MIDDLE, MIRROR, OCTAHEDRON, PRISM, Subdivisions
 
 
 class Resource(Subdivisions):
@@ -366,6 +366,54 @@ class Kept(TestCase):
         self.assertTrue(positions <= self.memory() - before < 1.01 * positions, self.memory() - before)
         self.assertEqual(self.daemon.request("DELETE", "/v1/subdivisions/grid").status, 204)
         self.assertEqual(self.memory(), before)
+
+    def level(self, name, status=200, query="", prefer=None, **document):
+        headers = {"Content-Type": "application/json", **({"Prefer": prefer} if prefer else {})}
+        answer = self.daemon.request("POST", f"/v1/subdivisions/{name}/levels{query}", json.dumps(document), headers)
+        self.assertEqual(answer.status, status, answer)
+        return answer
+
+    def test_a_level_is_built_ahead(self):
+        """A level is counted and kept as if a query had built it, so that the query builds
+        nothing."""
+        self.daemon.request("PUT", "/v1/subdivisions/ahead", CUBE)
+        before = self.memory()
+        made = self.level("ahead", level=5, use="traces").json
+        positions = 24 * 6 * 33**2
+        self.assertEqual((made["level"], self.memory() - before), (5, made["bytes"]))
+        self.assertTrue(positions <= made["bytes"] < 1.01 * positions, made)
+        self.assertEqual(self.trace("ahead", 5, stop_at_self_intersection=False).status, 200)
+        self.assertEqual(self.memory() - before, made["bytes"])
+        both = self.level("ahead", level=5).json
+        self.assertEqual(self.memory() - before, both["bytes"])
+        self.assertGreater(both["bytes"], made["bytes"] + 500_000)
+        self.assertEqual(self.trace("ahead", 5).status, 200)
+        self.assertEqual(self.level("ahead", level=5, use="paths").json["bytes"], both["bytes"] - made["bytes"])
+        self.assertEqual(self.memory() - before, both["bytes"])
+        self.assertEqual(self.level("ahead", use="traces").json["level"], self.daemon.get("/v1/subdivisions/ahead").json["usual_level"])
+        self.daemon.request("DELETE", "/v1/subdivisions/ahead")
+        self.assertEqual(self.memory(), before)
+
+    def test_a_level_is_built_by_a_job(self):
+        self.daemon.request("PUT", "/v1/subdivisions/job", CUBE)
+        job = self.level("job", 202, prefer="respond-async", level=6, use="traces").headers["Location"]
+        done = self.daemon.get(job + "?wait=60").json
+        self.assertEqual((done["state"], done["result"]["level"]), ("done", 6), done)
+        self.assertEqual(done["result"]["bytes"], self.level("job", level=6, use="traces").json["bytes"])
+        self.daemon.request("DELETE", "/v1/subdivisions/job")
+
+    def test_levels_are_refused(self):
+        self.daemon.request("PUT", "/v1/subdivisions/limits", CUBE)
+        self.daemon.request("PUT", "/v1/subdivisions/prism", PRISM)
+        for name, document, pointer in (("limits", {"level": 13}, "/level"), ("limits", {"level": -1}, "/level"), ("limits", {"use": "fields"}, "/use"),
+                                        ("prism", {"level": 0}, "/level"), ("limits", {"mesh": "x"}, "/mesh")):
+            self.assertEqual(self.level(name, 400, **document).json["pointer"], pointer, document)
+        self.assert_problem(self.level("limits", 507, level=9), 507, "insufficient_memory")
+        self.assert_problem(self.level("limits", 504, "?timeout_ms=1", level=8, use="paths"), 504, "deadline_exceeded")
+        self.level("nothing", 404)
+        for name in ("limits", "prism"):
+            self.daemon.request("DELETE", f"/v1/subdivisions/{name}")
+        self.assertEqual(self.memory(), 0)
 
     def test_a_request_that_waits_for_a_build_has_a_deadline(self):
         self.daemon.request("PUT", "/v1/subdivisions/late", CUBE)
