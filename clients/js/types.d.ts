@@ -835,9 +835,9 @@ export type PictureCamera = {
 /**
  * A layer. The first required member names its kind. Subdivision surfaces have the layers
  * `surface`, `field`, `isolines`, `path`, `trace`, `points` and `control_net`; NURBS surfaces have
- * `surface`, `field`, `isolines`, `path`, `curve_distance`, `point_curve_distance`, `points`,
- * `isoparametric` and `control_net`; meshes have all except `point_curve_distance`, `isoparametric`
- * and `control_net`.
+ * `surface`, `field`, `isolines`, `path`, `curve`, `curve_distance`, `point_curve_distance`,
+ * `points`, `isoparametric` and `control_net`; meshes have all except `point_curve_distance`,
+ * `isoparametric` and `control_net`.
  */
 export type PictureLayer = (PictureSurfaceLayer | PictureFieldLayer | PictureIsolinesLayer | PicturePathLayer | PictureTraceLayer | PictureExpLayer | PictureSplineLayer | PictureCurveLayer | PictureCurveDistanceLayer | PictureVoronoiLayer | PictureCutLocusLayer | PictureCutLayer | PicturePointsLayer | PicturePointCurveDistanceLayer | PictureIsoparametricLayer | PictureControlNetLayer);
 
@@ -926,9 +926,9 @@ export type PictureSplineLayer = {
   label?: PictureLabel;
 };
 
-/** The curves of `POST …/curve`. */
+/** On a mesh, the curves of `POST …/curve`. On a NURBS surface, a curve in the domain. */
 export type PictureCurveLayer = {
-  curve: CurveOperationRequest;
+  curve: (CurveOperationRequest | DomainCurve);
   color?: PictureColor;
   width?: PictureWidth;
   hidden?: PictureHidden;

@@ -1,6 +1,6 @@
-/* Layers: lines and marks of a scene (gd/result_file.h) in a file of glTF. Each layer is a node with
- * a mesh of one primitive: LINES with indices, or POINTS. Layers without content are left out. Their
- * data is one view of positions and, if there are lines, one view of indices. */
+/* Layers: lines and marks of a scene (gd/result_file.h) in a file of glTF. Each layer is a node
+ * with a mesh of one primitive: LINES with indices, or POINTS. Layers without content are left out.
+ * Their data is one view of positions and, if there are lines, one view of indices. */
 #ifndef GD_IO_GLTF_LAYERS_H
 #define GD_IO_GLTF_LAYERS_H
 

@@ -8,7 +8,7 @@ import time
 import unittest
 import xml.etree.ElementTree as ElementTree
 
-from harness import TestCase, sample
+from harness import TETRAHEDRON, TestCase, sample
 from subdivisions import PRISM
 from test_files import read_glb
 from test_pictures import SVG, Png
@@ -154,6 +154,12 @@ class Scene:
         corners = [[self.places[i] for i in face] for face in self.faces]
         sides = [[[q[k] - p[k] for k in range(3)] for q in rest] for p, *rest in corners]
         return sum(math.sqrt(dot(n, n)) / 2 for n in (cross(*pair) for pair in sides))
+
+
+def distance_to_segment(place, segment):
+    along, to = ([q - p for p, q in zip(segment[0], end)] for end in (segment[1], place))
+    t = min(max(dot(along, to) / (dot(along, along) or 1), 0), 1)
+    return math.dist([p + t * d for p, d in zip(segment[0], along)], place)
 
 
 def length_of(segments):
@@ -643,7 +649,7 @@ class SubdivisionFigures(SmoothCase):
                 "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n")
         sheet = "".join(f"v {x} {y} 0\n" for y in range(5) for x in range(5)) + "".join(
             f"f {i} {i + 1} {i + 6} {i + 5}\n" for i in (5 * y + x + 1 for y in range(4) for x in range(4)))
-        for name, body in (("s", cube.encode()), ("sheet", sheet.encode()), ("prism", PRISM)):
+        for name, body in (("s", cube.encode()), ("sheet", sheet.encode()), ("prism", PRISM), ("tetrahedron", TETRAHEDRON)):
             assert cls.daemon.request("PUT", f"/v1/subdivisions/{name}", body, {}).status == 201
 
     def ends(self):
@@ -683,6 +689,11 @@ class SubdivisionFigures(SmoothCase):
         edges = [(a, b) for ring in (bottom, top) for a, b in zip(ring, ring[1:] + ring[:1])] + list(zip(bottom, top))
         self.assertEqual(sorted(tuple(sorted(segment)) for segment in scene.segments("layer-0")), sorted(tuple(sorted(edge)) for edge in edges))
         self.assertEqual(sorted(scene.points("layer-0")), sorted(bottom + top))
+
+    def test_a_control_net_is_in_the_figure(self):
+        discs = self.figure([{"control_net": {}, "hidden": "shown"}], "tetrahedron", camera={"direction": [1, 2, 4]}).discs(0)[1::2]
+        self.assertEqual(len(discs), 4)
+        self.assertTrue(all(0 < value < 400 for disc in discs for value in disc[:2]), discs)
 
     def test_a_field_is_the_distance_on_the_discretization(self):
         """The limit surface of a flat control mesh is flat, so that distances are straight."""
@@ -783,6 +794,24 @@ class NurbsFigures(SmoothCase):
         for layer, query, body in ((0, "path", pair), (1, "point-curve-distance", curve)):
             path = self.asked_of(query, body)
             self.assert_drawn([point["xyz"] for point in path["points"]], figure.lines(layer) + figure.lines(layer, dashed=True), project)
+
+    def test_curves_in_the_domain(self):
+        corners = [[0.3, 0.2], [1.5, 1.7], [2.7, 0.4]]
+        scene = self.scene_of([{"curve": {"polyline": corners, "closed": True}}, {"curve": {"iso": "u", "value": 1.25}},
+                               {"curve": {"bspline": {"degree": 2, "knots": [0, 0, 0, 1, 1, 1], "control_points": corners}}}], "s")
+        ring = [*corners, corners[0]]
+        places = [[p + k / 8 * (q - p) for p, q in zip(a, b)] for a, b in zip(ring, ring[1:]) for k in range(8)]
+        parabola = [[(1 - t)**2 * a + 2 * t * (1 - t) * b + t * t * c for a, b, c in zip(*corners)] for t in (0, 0.25, 0.5, 0.75, 1)]
+        for name, expected in (("layer-0", places), ("layer-1", [[1.25, 2 * k / 8] for k in range(9)]), ("layer-2", parabola)):
+            for position in self.positions(expected):
+                self.assertLess(min(distance_to_segment(position, segment) for segment in scene.segments(name)), 5e-5, name)
+        for corner in self.positions(corners):  # corners are drawn themselves
+            self.assertLess(min(math.dist(corner, begin) for begin, _ in scene.segments("layer-0")), 1e-6)
+        self.assertEqual(scene.segments("layer-0")[0][0], scene.segments("layer-0")[-1][1])
+        self.refused([{"surface": {}}, {"curve": {"polyline": [[0, 0], [9, 9]]}}], "/layers/1/curve/polyline/1", "s", status=422, code="point_not_on_surface")
+        self.refused([{"curve": {"polyline": [[0, 0]]}}], "/layers/0/curve", "s")
+        self.refused([{"curve": {"points": []}}], "/layers/0/curve", "s")
+        self.refused([{"curve": 5}], "/layers/0/curve", "s")
 
     def test_a_field_is_the_distance_on_the_tessellation(self):
         """In a flat domain with a hole the distance is a straight line, or a polyline around the

@@ -1,8 +1,9 @@
-/* Picture drawing: the layers of a figure while they are solved and drawn, and the functions that add
- * lines and marks to them. */
+/* Picture drawing: the layers of a figure while they are solved and drawn, and the functions that
+ * add lines and marks to them. */
 #ifndef SERVER_API_SURFACES_PICTURE_DRAWING_H
 #define SERVER_API_SURFACES_PICTURE_DRAWING_H
 
+#include "proto/values/domain_curve.h"
 #include "server/api/surfaces/picture_surface.h"
 
 struct server_picture_layers {                                     /* all zero: none */
@@ -11,6 +12,8 @@ struct server_picture_layers {                                     /* all zero: 
     struct server_query *parts[PROTO_PICTURE_REQUEST_LAYERS_MOST]; /* of each layer, or NULL */
     /* for each layer of the kind `points` on a mesh: its located points */
     struct proto_located_points located[PROTO_PICTURE_REQUEST_LAYERS_MOST];
+    /* for each layer of the kind `curve` on a NURBS surface: its curve */
+    struct proto_domain_curve curves[PROTO_PICTURE_REQUEST_LAYERS_MOST];
     bool has_set;    /* the figure's query names the set of a field */
     uint32_t next;   /* first part to solve */
     bool is_begun;   /* that part's try_inline ran */

@@ -66,6 +66,7 @@ static const struct layer_rule nurbs_rules[] = {
     [PROTO_PICTURE_LAYER_FIELD] = OWN,
     [PROTO_PICTURE_LAYER_ISOLINES] = OWN,
     [PROTO_PICTURE_LAYER_PATH] = PART(nurbs_geodesic, geodesic, NULL),
+    [PROTO_PICTURE_LAYER_CURVE] = {.is_known = true, .wrapped = "curve"},
     [PROTO_PICTURE_LAYER_CURVE_DISTANCE] = PART(nurbs_curve_distance, geodesic, NULL),
     [PROTO_PICTURE_LAYER_POINTS] = {true, &server_query_nurbs_evaluate, proto_jet_fields, "xyz",
                                     "uv"},
@@ -208,6 +209,18 @@ static bool field_decode(struct server_picture_layers *layers, struct server_que
            problem_place(layers, i, query);
 }
 
+/* Decodes a curve in the domain of a NURBS surface. */
+static bool curve_decode(struct server_picture_layers *layers, struct server_query *query,
+                         uint32_t i, json_t *body)
+{
+    json_t *document = json_pack("{s:O}", "curve", body);
+    if (!document) return proto_problem_from_status(query->problem, GD_NO_MEMORY, NULL);
+    bool ok =
+        proto_domain_curve_decode_member(document, "curve", &layers->curves[i], query->problem);
+    json_decref(document);
+    return ok || problem_place(layers, i, query);
+}
+
 static bool layer_decode(struct server_picture_layers *layers, struct server_query *query,
                          uint32_t i, json_t *body)
 {
@@ -216,6 +229,7 @@ static bool layer_decode(struct server_picture_layers *layers, struct server_que
     if (rules_of(query)[wanted->form].kind)
         return part_decode(layers, query, i, body) || problem_place(layers, i, query);
     if (wanted->form == PROTO_PICTURE_LAYER_FIELD) return field_decode(layers, query, i, body);
+    if (wanted->form == PROTO_PICTURE_LAYER_CURVE) return curve_decode(layers, query, i, body);
     return wanted->form != PROTO_PICTURE_LAYER_POINTS || points_decode(layers, query, i, body);
 }
 
@@ -381,6 +395,9 @@ static bool own_draw(struct server_picture_layers *layers, struct server_query *
     switch (layers->wanted->items[i].form) {
     case PROTO_PICTURE_LAYER_POINTS:
         return located_draw(layers, query, i);
+    case PROTO_PICTURE_LAYER_CURVE:
+        ok = server_domain_curve_draw(layers, query, i);
+        break;
     case PROTO_PICTURE_LAYER_ISOPARAMETRIC:
         ok = server_isoparametric_draw(layers, query, i);
         break;
@@ -446,5 +463,6 @@ void server_picture_layers_free(struct server_picture_layers *layers)
         server_query_destroy(layers->parts[i]);
         layers->parts[i] = NULL;
         proto_located_points_free(&layers->located[i]);
+        proto_domain_curve_free(&layers->curves[i]);
     }
 }

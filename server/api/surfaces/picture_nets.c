@@ -8,8 +8,9 @@
 #define ISO_WIDTH  1.0
 
 enum {
-    ISO_POINTS = 193, /* of a line of constant u or v */
-    ISO_HALVINGS = 40 /* of the interval in which such a line leaves the domain */
+    ISO_POINTS = 193,  /* of a line of constant u or v */
+    ISO_HALVINGS = 40, /* of the interval in which such a line leaves the domain */
+    CURVE_STEPS = 1024 /* of a curve in the domain; of a polyline at least this many */
 };
 
 /* --- lines of constant parameters ------------------------------------------------------------- */
@@ -109,6 +110,45 @@ bool server_isoparametric_draw(struct server_picture_layers *layers, struct serv
                                uint32_t i)
 {
     return isoparametric_draw(layers, query, i, 0) && isoparametric_draw(layers, query, i, 1);
+}
+
+/* --- curves in the domain --------------------------------------------------------------------- */
+
+/* Adds the points of a curve at equal steps of its parameter. The corners of a polyline, which have
+ * whole parameters, are among them. */
+static bool curve_add(struct server_picture_layers *layers, struct server_query *query, uint32_t i,
+                      const struct gd_domain_curve *curve)
+{
+    const struct gd_parametric *surface = server_nurbs_of(query->surface)->surface;
+    double low, high;
+    gd_domain_curve_range(curve, &low, &high);
+    uint32_t spans = layers->curves[i].form == PROTO_DOMAIN_CURVE_POLYLINE ? (uint32_t)high : 1;
+    uint32_t steps = spans * ((CURVE_STEPS + spans - 1) / spans);
+    struct gd_vec3 *points = server_drawn_lines(layers, query, (const uint32_t[]){1, steps + 1},
+                                                server_drawn_add(layers, i));
+    for (uint32_t k = 0; points && k <= steps; k++) {
+        double uv[2];
+        struct gd_jet jet;
+        gd_domain_curve_at(curve, low + k * (high - low) / steps, uv);
+        enum gd_status status = gd_parametric_evaluate(surface, uv[0], uv[1], &jet);
+        if (status) return server_query_refuse(query, status, "the figure");
+        points[k] = jet.x;
+    }
+    return points != NULL;
+}
+
+bool server_domain_curve_draw(struct server_picture_layers *layers, struct server_query *query,
+                              uint32_t i)
+{
+    struct server_monitor monitor = server_query_monitor(query, 0, 0);
+    const struct gd_control control = server_exchange_control(&monitor);
+    struct gd_domain_curve *curve;
+    if (!proto_domain_curve_locate(server_nurbs_of(query->surface)->surface, &layers->curves[i],
+                                   &control, &curve, query->problem))
+        return false;
+    bool ok = curve_add(layers, query, i, curve);
+    gd_domain_curve_release(curve);
+    return ok;
 }
 
 /* --- control nets ----------------------------------------------------------------------------- */

@@ -1,6 +1,6 @@
 /* Picture surface: the mesh that a figure shows. For a mesh it is the mesh itself, or the pieces of
- * a cut; for a smooth surface a mesh that approximates it. Also the field of a smooth surface, which
- * is the exact field of that mesh. */
+ * a cut; for a smooth surface a mesh that approximates it. Also the field of a smooth surface,
+ * which is the exact field of that mesh. */
 #ifndef SERVER_API_SURFACES_PICTURE_SURFACE_H
 #define SERVER_API_SURFACES_PICTURE_SURFACE_H
 

@@ -93,7 +93,7 @@ static void arrows_have_heads(void **state)
     free(arrow);
 }
 
-/* Parts of lines far outside the picture are left out. The view shows a quarter of the square's
+/* Parts of lines far outside the picture are left out. The view shows twice the square's
  * size beyond the square on three sides. */
 static void far_lines_are_cut(void **state)
 {
@@ -104,7 +104,7 @@ static void far_lines_are_cut(void **state)
                                                   .count = 2,
                                                   .hidden = GD_HIDDEN_SHOWN},
                        1, false);
-    assert_non_null(strstr(text, "M-400 231.33L800 231.33\""));
+    assert_non_null(strstr(text, "M-400 275.2L800 275.2\""));
     free(text);
 }
 
