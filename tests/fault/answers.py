@@ -222,10 +222,13 @@ def figure_requests(points):
     """Returns requests for figures, cut loci and the file of a spline."""
     shared = {"points": [{"vertex": 97 * i} for i in range(20)]}
     layers = [{"field": shared}, {"isolines": {"count": 40}}, {"voronoi": {"set": shared}}, {"cut_locus": {"set": {"points": [{"vertex": 0}]}}}]
-    for name in ("png", "svg"):
+    for name in ("png", "svg", "glb"):
         yield post("figure", f"meshes/fine/picture?format={name}", {"layers": layers, "width": 800, "height": 800})
     traces = [{"trace": {"start": {"face": 0, "uv": [0.25, 0.5]}, "fan": 60, "length": 20}}]
-    yield post("figure", "subdivisions/cube/picture?format=svg", {"layers": traces})
+    field = [{"field": {"points": [{"face": 0, "uv": [0.25, 0.5]}]}}, {"isolines": {"count": 40}}, {"control_net": {}}]
+    yield post("figure", "subdivisions/cube/picture?format=svg", {"layers": traces + field})
+    square = [{"xyz": [x, y, 0], "max_snap": 9} for x, y in ((0.2, 0.2), (0.8, 0.2), (0.8, 0.8), (0.2, 0.8))]
+    yield post("figure", "meshes/fine/picture?format=svg", {"layers": [{"cut": {"curve": {"points": square, "closed": True}}}]})
     yield post("figure", "nurbs/donut/picture?format=svg", {"layers": [{"isoparametric": {"u": 200, "v": 200}}]})
     yield post("cut locus", "meshes/fine/cut-locus", {"set": {"points": [{"vertex": 0}]}})
     yield post("cut locus", "meshes/fine/cut-locus?format=glb", {"set": {"points": [{"vertex": 0}]}})

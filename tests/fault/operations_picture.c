@@ -1,4 +1,4 @@
-/* Pictures, of both formats. */
+/* Pictures, of all formats. */
 #include "tests/fault/operations.h"
 
 #include <stdlib.h>
@@ -93,6 +93,15 @@ static enum gd_status draw_layers(void *out)
     return gd_picture_svg(&picture, NULL, &file->bytes, &file->size);
 }
 
+static enum gd_status draw_scene(void *out)
+{
+    struct file *file = out;
+    struct gd_picture picture = small();
+    picture.layers = layers;
+    picture.layer_count = COUNT(layers);
+    return gd_picture_glb(&picture, NULL, &file->bytes, &file->size);
+}
+
 static enum gd_status draw_bare(void *out)
 {
     struct file *file = out;
@@ -105,6 +114,7 @@ static const struct operation items[] = {
     {"picture as PNG", &a_file, draw_png, GD_OK, NULL},
     {"picture as SVG", &a_file, draw_svg, GD_OK, NULL},
     {"picture with layers", &a_file, draw_layers, GD_OK, NULL},
+    {"picture as GLB", &a_file, draw_scene, GD_OK, NULL},
     {"picture of a mesh alone", &a_file, draw_bare, GD_OK, NULL},
 };
 

@@ -129,10 +129,40 @@ static void unreferenced_vertices(void **state)
     gd_subdivision_release(among);
 }
 
+/* The edges of the control mesh are returned once each, also if its polygons are refined to get the
+ * base faces. */
+static void control_edges(void **state)
+{
+    (void)state;
+    static const char pyramid[] = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 2\n"
+                                  "f 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+    static const char *const texts[] = {CUBE, pyramid};
+    static const uint32_t counts[][2] = {{8, 12}, {5, 8}};
+    for (int i = 0; i < 2; i++) {
+        struct gd_subdivision *surface = surface_from(texts[i], GD_SCHEME_CATMULL_CLARK);
+        struct gd_subdivision_summary summary = gd_subdivision_summary(surface);
+        uint32_t edges[12][2];
+        assert_int_equal(summary.vertex_count, counts[i][0]);
+        assert_int_equal(summary.edge_count, counts[i][1]);
+        gd_subdivision_control_edges(surface, edges);
+        for (uint32_t k = 0; k < summary.edge_count; k++)
+            for (uint32_t other = 0; other < k; other++)
+                assert_false((edges[k][0] == edges[other][0] && edges[k][1] == edges[other][1]) ||
+                             (edges[k][0] == edges[other][1] && edges[k][1] == edges[other][0]));
+        const struct gd_vec3 *points = gd_subdivision_control_points(surface);
+        for (uint32_t k = 0; k < summary.edge_count; k++) {
+            double length = gd_vec3_distance(points[edges[k][0]], points[edges[k][1]]);
+            assert_true(length == 2 || (i && fabs(length - sqrt(6)) < 1e-12));
+        }
+        gd_subdivision_release(surface);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(refused_by_name),
-                                       cmocka_unit_test(summaries), cmocka_unit_test(tags),
+                                       cmocka_unit_test(control_edges), cmocka_unit_test(summaries),
+                                       cmocka_unit_test(tags),
                                        cmocka_unit_test(unreferenced_vertices)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
