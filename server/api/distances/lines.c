@@ -1,11 +1,10 @@
-/* Answers queries for lines of a field: its isolines at some levels, and the Voronoi diagram of its
- * set. A worker traces the lines, and writes them one by one. */
+/* Answers queries for the isolines of a field at some levels. A worker traces the lines, and writes
+ * them one by one. */
 #include "server/query/handlers.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
 
-#include "gd/voronoi.h"
 #include "proto/json/writer.h"
 #include "proto/queries/isoline.h"
 #include "proto/values/path.h"
@@ -15,15 +14,13 @@
 
 #define BYTES_A_TRACE ((size_t)1 << 20)
 #define ISOLINE_EDGE  32  /* bytes needed for each edge of the mesh while an isoline is traced */
-#define BISECTOR_EDGE 48  /* bytes needed for each edge of the mesh while bisectors are traced */
 #define INDEX_SHARE   0.2 /* fraction of the progress for building the index of isolines */
 #define TRACE_SHARE   0.4 /* fraction of the progress for tracing; the rest is for writing */
 /* limit on the bytes of traced lines that are not yet written */
-#define TRACED_BYTES    ((size_t)64 << 20)
-#define BISECTOR_POINTS 500000 /* limit on the points of an answer */
-#define LEVELS          8      /* number of isolines that are traced in parallel */
-#define PORTION         512    /* number of elements written between two checks of the control */
-#define WHAT            "the answer"
+#define TRACED_BYTES ((size_t)64 << 20)
+#define LEVELS       8   /* number of isolines that are traced in parallel */
+#define PORTION      512 /* number of elements written between two checks of the control */
+#define WHAT         "the answer"
 
 static size_t trace_grant(const struct server_query *query, size_t bytes_an_edge)
 {
@@ -358,147 +355,3 @@ const struct server_query_kind server_query_isolines = {.name = "isolines",
                                                         .write = isolines_write,
                                                         .list_arrays = isolines_list_arrays,
                                                         .release = isolines_release};
-
-/* --- Voronoi diagrams ------------------------------------------------------------------------- */
-
-struct voronoi_query {
-    struct server_query query; /* must be the first member */
-    double tolerance;
-    const struct gd_field *field;
-    uint32_t *labels; /* by vertex index; NULL if not selected */
-    struct gd_voronoi found;
-};
-
-static bool voronoi_decode(struct server_query *query, const json_t *document)
-{
-    struct proto_voronoi_request wanted;
-    if (!proto_voronoi_request_decode(document, &wanted, query->problem)) return false;
-    ((struct voronoi_query *)query)->tolerance =
-        proto_isolines_tolerance(wanted.tolerance, query->surface->mesh);
-    return server_field_query_of_set(query, &wanted.set, 0);
-}
-
-/* Computes the labels. While it does so, the engine needs as many bytes again as the labels. */
-static enum gd_status labels_find(struct voronoi_query *own)
-{
-    struct server_query *query = &own->query;
-    size_t count = gd_mesh_summary(query->surface->mesh)->index_count,
-           bytes = count * sizeof *own->labels;
-    own->labels = server_query_allocate(query, count, sizeof *own->labels);
-    enum gd_status status = own->labels ? server_query_take(query, bytes) : GD_BUDGET;
-    if (status) return status;
-    status = gd_voronoi_labels(own->field, query->field.set->members, own->labels);
-    server_query_give(query, bytes);
-    return status;
-}
-
-static enum gd_status bisectors_trace(struct voronoi_query *own, struct server_monitor *part)
-{
-    struct server_budgeted_call call =
-        server_query_begin_call(&own->query, part, trace_grant(&own->query, BISECTOR_EDGE));
-    while (server_budgeted_call_next(&call)) {
-        call.status = gd_voronoi_trace(own->field, own->query.field.set->members, own->tolerance,
-                                       &call.control, &own->found);
-        call.kept = own->found.bytes;
-    }
-    return call.status;
-}
-
-static bool bisectors_admit(const struct voronoi_query *own)
-{
-    uint64_t points = 0;
-    for (uint32_t i = 0; i < own->found.bisector_count; i++)
-        points += own->found.bisectors[i].point_count;
-    if (own->query.options.geometry == PROTO_GEOMETRY_NONE || points <= BISECTOR_POINTS)
-        return true;
-    return proto_problem_exceed(
-        own->query.problem, NULL, BISECTOR_POINTS,
-        "the bisectors have %llu points, more than %d; ask for a larger tolerance, "
-        "fewer members, or geometry=none",
-        (unsigned long long)points, BISECTOR_POINTS);
-}
-
-static enum server_query_turn voronoi_answer(struct server_query *query,
-                                             const struct gd_field *field,
-                                             struct server_monitor *part)
-{
-    struct voronoi_query *own = (struct voronoi_query *)query;
-    uint32_t fields = query->options.fields;
-    own->field = field;
-    enum gd_status status = fields & PROTO_VORONOI_FIELD_LABELS ? labels_find(own) : GD_OK;
-    if (!status && fields & PROTO_VORONOI_FIELD_BISECTORS) status = bisectors_trace(own, part);
-    if (!status && !bisectors_admit(own)) return SERVER_QUERY_FAILED;
-    return server_query_end_draft(query, status, "the diagram");
-}
-
-static void bisector_encode(const struct server_query *query, struct proto_writer *writer,
-                            const struct gd_bisector *bisector)
-{
-    proto_write_object_begin(writer);
-    proto_member_indices(writer, "members", bisector->members, 2);
-    proto_member_bool(writer, "closed", bisector->closed);
-    proto_member_number(writer, "length", bisector->length);
-    proto_member_points(writer, query->surface->mesh, bisector->points, bisector->point_count,
-                        query->options.geometry);
-    proto_write_object_end(writer);
-}
-
-static void voronoi_encode(const struct server_query *query, struct proto_writer *writer)
-{
-    const struct voronoi_query *own = (const struct voronoi_query *)query;
-    uint32_t count = gd_mesh_summary(query->surface->mesh)->index_count;
-    proto_write_object_begin(writer);
-    if (own->labels) proto_member_indices(writer, "labels", own->labels, count);
-    if (proto_field(writer, &query->options, PROTO_VORONOI_FIELD_BISECTORS)) {
-        proto_write_array_begin(writer);
-        for (uint32_t i = 0; i < own->found.bisector_count; i++)
-            bisector_encode(query, writer, &own->found.bisectors[i]);
-        proto_write_array_end(writer);
-    }
-    proto_write_object_end(writer);
-}
-
-static bool bisectors_list_arrays(struct voronoi_query *own)
-{
-    struct server_query *query = &own->query;
-    const struct gd_bisector *bisectors = own->found.bisectors;
-    uint32_t count = own->found.bisector_count;
-    struct gd_path *paths = server_query_allocate(query, count, sizeof *paths);
-    if (!paths) return server_query_refuse(query, GD_BUDGET, WHAT);
-    for (uint32_t i = 0; i < count; i++)
-        paths[i] = (struct gd_path){.length = bisectors[i].length,
-                                    .points = (struct gd_point *)bisectors[i].points,
-                                    .count = bisectors[i].point_count};
-    if (!server_query_list_lines(query, paths, sizeof *paths, count)) return false;
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "members",
-                                                             .type = SERVER_ARRAY_INDICES,
-                                                             .columns = 2,
-                                                             .rows = count,
-                                                             .source = bisectors,
-                                                             .stride = sizeof *bisectors});
-    server_arrays_add_member(&query->arrays, "length", count, &paths->length, sizeof *paths);
-    return true;
-}
-
-static bool voronoi_list_arrays(struct server_query *query)
-{
-    struct voronoi_query *own = (struct voronoi_query *)query;
-    if (own->labels)
-        server_arrays_add_indices(&query->arrays, "labels", 0,
-                                  gd_mesh_summary(query->surface->mesh)->index_count, own->labels);
-    return !(query->options.fields & PROTO_VORONOI_FIELD_BISECTORS) || bisectors_list_arrays(own);
-}
-
-static void voronoi_release(struct server_query *query)
-{
-    gd_voronoi_free(&((struct voronoi_query *)query)->found);
-}
-
-const struct server_query_kind server_query_voronoi = {.name = "voronoi",
-                                                       .size = sizeof(struct voronoi_query),
-                                                       .decode = voronoi_decode,
-                                                       .answer = voronoi_answer,
-                                                       .encode = voronoi_encode,
-                                                       .has_bare_points = true,
-                                                       .list_arrays = voronoi_list_arrays,
-                                                       .release = voronoi_release};
