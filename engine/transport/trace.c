@@ -5,10 +5,84 @@
 #include "base/tolerance.h"
 #include "field/layout.h"
 #include "mesh/canonical.h"
-#include "transport/surface_ray.h"
-#include "transport/line.h"
 #include "transport/meetings.h"
 #include "transport/straight.h"
+#include "transport/surface_ray.h"
+
+/* --- the line --------------------------------------------------------------------------------- */
+
+enum {
+    FIRST = 64,   /* initial capacity of a line, in points */
+    CHUNK = 16384 /* most points between two checks of the control: a millisecond */
+};
+
+/* The polyline of a trace, with its length and limits. Normalised unit. */
+struct line {
+    struct gd_point *points;
+    uint32_t count, capacity;
+    uint32_t limit;     /* largest number of points after the first */
+    double length;      /* requested */
+    double gone, carry; /* sum of the segments: gone + carry */
+    const struct gd_control *control;
+    enum gd_status status; /* the first failure */
+};
+
+static uint32_t next_capacity(const struct line *line)
+{
+    uint32_t doubled = line->capacity ? 2 * line->capacity : FIRST,
+             stepped = line->capacity + CHUNK;
+    uint32_t capacity = doubled < stepped ? doubled : stepped;
+    return capacity < line->limit + 1 ? capacity : line->limit + 1;
+}
+
+/* Doubles the capacity and checks the control. Returns false on failure, or with status GD_OK if
+ * the limit is reached. */
+static bool line_grow(struct line *line)
+{
+    uint32_t capacity = next_capacity(line);
+    if (line->status || capacity <= line->count) return false;
+    double part = line->length > 0 ? fmin((line->gone + line->carry) / line->length, 1) : 0;
+    line->status = gd_control_check(line->control, part);
+    if (!line->status)
+        line->status = gd_control_afford(line->control, ((size_t)capacity + line->capacity) *
+                                                            sizeof *line->points);
+    if (line->status) return false;
+    struct gd_point *points = realloc(line->points, capacity * sizeof *points);
+    if (!points) {
+        line->status = GD_NO_MEMORY;
+        return false;
+    }
+    line->points = points;
+    line->capacity = capacity;
+    return true;
+}
+
+static inline double line_rest(const struct line *line)
+{
+    return line->length - line->gone - line->carry;
+}
+
+/* Adds `run` to `gone` by Neumaier's compensated summation: `carry` collects the rounding
+ * errors. */
+static inline void line_go(struct line *line, double run)
+{
+    double sum = line->gone + run;
+    line->carry += line->gone >= run ? (line->gone - sum) + run : (run - sum) + line->gone;
+    line->gone = sum;
+}
+
+static inline bool line_append(struct line *line, const struct gd_point *point, double run)
+{
+    if (line->count == line->capacity && !line_grow(line)) return false;
+    line->points[line->count++] = *point;
+    line_go(line, run);
+    return true;
+}
+
+static inline struct gd_point *line_last(const struct line *line)
+{
+    return &line->points[line->count - 1];
+}
 
 /* A trace alternates between rays and halts. A ray runs straight from face to face. A halt is a
  * vertex, a place on the boundary, or the end of the trace. The state of a ray is its side, which
@@ -27,7 +101,7 @@ enum halt {
 struct tracer {
     const struct gd_mesh *mesh;
     const struct gd_trace_options *options;
-    struct gd__line line;
+    struct line line;
     struct gd__surface_ray walk;
     enum halt halt;
     /* at halts except NONE and BORDER: the turn at the last point back along the line */
@@ -49,8 +123,8 @@ static enum halt transport_trace_meet(struct tracer *tracer, uint32_t face, doub
                                       enum halt halt)
 {
     const struct gd_mesh *mesh = tracer->mesh;
-    struct gd__line *line = &tracer->line;
-    struct gd_point *from = gd__line_last(line) - 1, *to = from + 1;
+    struct line *line = &tracer->line;
+    struct gd_point *from = line_last(line) - 1, *to = from + 1;
     double part = 2, a[3], b[3], at[3];
     line->status = gd__meetings_add(tracer->meetings, face, from, to, &part);
     if (line->status || part > 1) return line->status ? HALT_LIMIT : halt;
@@ -61,7 +135,7 @@ static enum halt transport_trace_meet(struct tracer *tracer, uint32_t face, doub
     struct gd__local way =
         gd__face_local(mesh, side, (double[3]){a[0] - b[0], a[1] - b[1], a[2] - b[2]});
     if (part < 1) *to = gd__point_of_face(mesh, face, at);
-    gd__line_go(line, (part - 1) * run);
+    line_go(line, (part - 1) * run);
     tracer->back = gd__turn_in_face(mesh, to, side, way.x, way.y);
     return HALT_MEETING;
 }
@@ -70,7 +144,7 @@ static enum halt transport_trace_meet(struct tracer *tracer, uint32_t face, doub
 static inline enum halt transport_trace_append(struct tracer *tracer, struct gd_point point,
                                                uint32_t face, double run, enum halt halt)
 {
-    if (!gd__line_append(&tracer->line, &point, run)) return HALT_LIMIT;
+    if (!line_append(&tracer->line, &point, run)) return HALT_LIMIT;
     return tracer->meetings ? transport_trace_meet(tracer, face, run, halt) : halt;
 }
 
@@ -98,12 +172,12 @@ static struct gd_point point_at(const struct gd_mesh *mesh, uint32_t side, struc
 static enum halt end_in_face(struct tracer *tracer, const struct gd__ray *ray, double snap)
 {
     const struct gd_mesh *mesh = tracer->mesh;
-    double run = fmax(gd__line_rest(&tracer->line), 0);
+    double run = fmax(line_rest(&tracer->line), 0);
     struct gd_point end = point_at(
         mesh, ray->side, (struct gd__local){ray->x + run * ray->dx, ray->y + run * ray->dy}, snap);
     tracer->back = gd__turn_in_face(mesh, &end, ray->side, -ray->dx, -ray->dy);
-    if (gd_point_equal(&end, gd__line_last(&tracer->line))) {
-        gd__line_go(&tracer->line, run);
+    if (gd_point_equal(&end, line_last(&tracer->line))) {
+        line_go(&tracer->line, run);
         return HALT_END;
     }
     return transport_trace_append(tracer, end, mesh->side_face[ray->side], run, HALT_END);
@@ -135,12 +209,12 @@ static enum halt pass_vertex(struct tracer *tracer, const struct gd__ray *ray, d
         gd__point_of_vertex(mesh->origin[walk->side ^ !(walk->t < 0.5 * edge)]);
     struct gd__local corner = corner_of(mesh, ray->side, vertex.element);
     double run = hypot(corner.x - ray->x, corner.y - ray->y);
-    if (gd__line_rest(&tracer->line) < run - snap)
+    if (line_rest(&tracer->line) < run - snap)
         return end_in_face(tracer, ray, snap_of_end(tracer, edge));
     tracer->back = gd__turn_in_face(mesh, &vertex, walk->side ^ 1, walk->dx, walk->dy);
-    bool is_end = gd__line_rest(&tracer->line) <= run + snap;
+    bool is_end = line_rest(&tracer->line) <= run + snap;
     return transport_trace_append(tracer, vertex, mesh->side_face[ray->side],
-                                  is_end ? gd__line_rest(&tracer->line) : run,
+                                  is_end ? line_rest(&tracer->line) : run,
                                   is_end ? HALT_END : HALT_VERTEX);
 }
 
@@ -157,7 +231,7 @@ static inline enum halt transport_trace_pass(struct tracer *tracer, const struct
     if (!(walk->t > snap && walk->t < passage->edge - snap))
         return pass_vertex(tracer, ray, passage->edge, snap);
     double end_snap = snap_of_end(tracer, passage->edge);
-    if (gd__line_rest(&tracer->line) <= passage->run + end_snap)
+    if (line_rest(&tracer->line) <= passage->run + end_snap)
         return end_in_face(tracer, ray, end_snap);
     struct gd_point point = gd__point_within_side(walk->side, walk->t / passage->edge);
     return transport_trace_append(
@@ -180,8 +254,7 @@ static inline enum halt hop(struct tracer *tracer)
     struct gd__face_crossing passage = gd__surface_ray_cross(s, &tracer->walk);
     enum halt halt = transport_trace_pass(tracer, &ray, &passage);
     if (halt == HALT_LIMIT) /* the last point is the beginning of the ray */
-        tracer->back =
-            gd__turn_in_face(mesh, gd__line_last(&tracer->line), ray.side, -ray.dx, -ray.dy);
+        tracer->back = gd__turn_in_face(mesh, line_last(&tracer->line), ray.side, -ray.dx, -ray.dy);
     return halt;
 }
 
@@ -213,7 +286,7 @@ static struct gd__face_crossing leave_from_inside(const struct gd_mesh *mesh,
 static enum halt depart(struct tracer *tracer, double turn)
 {
     const struct gd_mesh *mesh = tracer->mesh;
-    const struct gd_point *point = gd__line_last(&tracer->line);
+    const struct gd_point *point = line_last(&tracer->line);
     struct gd__ray ray = gd__turn_ray(mesh, point, turn);
     struct gd__face_crossing passage;
     if (point->kind == GD_POINT_FACE) {
@@ -233,7 +306,7 @@ static enum halt transport_trace_slide(struct tracer *tracer, uint32_t side, dou
 {
     const struct gd_mesh *mesh = tracer->mesh;
     double edge = mesh->side[side].length, run = forward ? edge - at : at,
-           rest = gd__line_rest(&tracer->line);
+           rest = line_rest(&tracer->line);
     uint32_t face = mesh->side_face[side ^ 1];
     double snap = snap_of_end(tracer, edge);
     if (rest < run - snap) {
@@ -257,8 +330,7 @@ static bool grazes(const struct tracer *tracer)
     const struct gd__surface_ray *walk = &tracer->walk;
     double edge = tracer->mesh->side[walk->side].length,
            ahead = walk->dx > 0 ? edge - walk->t : walk->t;
-    return fmin(ahead, gd__line_rest(&tracer->line)) * walk->dy <=
-           GD_TOL_HIT * edge + drift(tracer);
+    return fmin(ahead, line_rest(&tracer->line)) * walk->dy <= GD_TOL_HIT * edge + drift(tracer);
 }
 
 static enum halt at_border(struct tracer *tracer)
@@ -272,7 +344,7 @@ static enum halt at_border(struct tracer *tracer)
 
 static enum halt at_vertex(struct tracer *tracer)
 {
-    uint32_t vertex = gd__line_last(&tracer->line)->element, side;
+    uint32_t vertex = line_last(&tracer->line)->element, side;
     double turn;
     bool forward;
     if (gd__straight_on(tracer->mesh, vertex, tracer->back, tracer->options, &turn))
@@ -283,38 +355,16 @@ static enum halt at_vertex(struct tracer *tracer)
                                  forward);
 }
 
-/* --- lines ------------------------------------------------------------------------------------ */
-
-static inline bool is_over(const struct tracer *tracer)
-{
-    return tracer->halt >= HALT_END;
-}
-
 static inline enum halt go_on(struct tracer *tracer)
 {
     if (tracer->halt == HALT_NONE) return hop(tracer);
     if (tracer->halt == HALT_BORDER)
-        tracer->back = gd__turn_in_face(tracer->mesh, gd__line_last(&tracer->line),
+        tracer->back = gd__turn_in_face(tracer->mesh, line_last(&tracer->line),
                                         tracer->walk.side ^ 1, tracer->walk.dx, tracer->walk.dy);
     double back = tracer->back;
     enum halt halt = tracer->halt == HALT_VERTEX ? at_vertex(tracer) : at_border(tracer);
     if (halt == HALT_LIMIT) tracer->back = back; /* the last point is still the point of the halt */
     return halt;
-}
-
-/* Advances the lines by one face each, one after the other. While one line waits for its record of
- * the mesh, the others continue. */
-static void transport_trace_run(struct tracer *tracers, uint32_t count)
-{
-    uint32_t going;
-    do {
-        going = 0;
-        for (uint32_t i = 0; i < count; i++) {
-            if (is_over(&tracers[i])) continue;
-            tracers[i].halt = go_on(&tracers[i]);
-            going++;
-        }
-    } while (going);
 }
 
 static enum gd_trace_end transport_trace_end_of(enum halt halt)
@@ -333,9 +383,9 @@ static enum gd_trace_end transport_trace_end_of(enum halt halt)
 
 static void transport_trace_finish(struct tracer *tracer, struct gd_trace *out)
 {
-    const struct gd__line *line = &tracer->line;
+    const struct line *line = &tracer->line;
     const struct gd_mesh *mesh = tracer->mesh;
-    const struct gd_point *last = gd__line_last(line);
+    const struct gd_point *last = line_last(line);
     struct gd_direction back = gd__turn_direction(mesh, last, tracer->back);
     *out = (struct gd_trace){
         .path = {(line->gone + line->carry) * mesh->unit, line->count, line->points},
@@ -343,31 +393,23 @@ static void transport_trace_finish(struct tracer *tracer, struct gd_trace *out)
         .end = transport_trace_end_of(tracer->halt)};
 }
 
-static enum gd_status transport_trace_check(const struct gd_mesh *mesh,
-                                            const struct gd_point *start,
-                                            const struct gd_direction *ahead, double length,
-                                            struct gd_direction *out, struct gd_detail *detail)
-{
-    if (!(isfinite(length) && length >= 0))
-        return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the length is %.17g; it must be a finite number, 0 or more", length);
-    return gd_direction_at_angle(mesh, start, ahead->angle, out, detail);
-}
-
 /* Initialises a tracer at the start of its line, and crosses the first face. */
 static enum gd_status open(struct tracer *tracer, const struct gd_trace_request *request,
-                           const struct gd_direction *ahead, struct gd_detail *detail)
+                           struct gd_detail *detail)
 {
     const struct gd_point *start = request->start;
     double length = request->length;
+    if (!(isfinite(length) && length >= 0))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the length is %.17g; it must be a finite number, 0 or more", length);
     enum gd_status status =
-        transport_trace_check(tracer->mesh, start, ahead, length, &tracer->ahead, detail);
+        gd_direction_at_angle(tracer->mesh, start, request->ahead->angle, &tracer->ahead, detail);
     if (status) return status;
     uint64_t limit = tracer->options->step_limit ? tracer->options->step_limit : GD_TRACE_STEPS;
     tracer->line.limit = limit < UINT32_MAX - 1 ? (uint32_t)limit : UINT32_MAX - 1;
     tracer->line.length = length / tracer->mesh->unit;
     tracer->halt = HALT_END;
-    if (!gd__line_append(&tracer->line, start, 0)) status = tracer->line.status;
+    if (!line_append(&tracer->line, start, 0)) status = tracer->line.status;
     if (!status && tracer->options->stop_at_self_intersection)
         status = gd__meetings_create(tracer->mesh, start, tracer->line.control, &tracer->meetings);
     if (status) return gd_fail_status(detail, status);
@@ -376,50 +418,24 @@ static enum gd_status open(struct tracer *tracer, const struct gd_trace_request 
     return GD_OK;
 }
 
-/* Returns the first failure of any line. */
-static enum gd_status transport_trace_status_of(const struct tracer *tracers, uint32_t count)
-{
-    enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < count && !status; i++) status = tracers[i].line.status;
-    return status;
-}
-
-enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh,
-                                    const struct gd_trace_request *request,
-                                    const struct gd_control *control, struct gd_trace *out,
-                                    struct gd_detail *detail)
-{
-    uint32_t count = request->count;
-    static const struct gd_trace_options usual = {0};
-    struct tracer tracers[GD_TRACE_LANES];
-    enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < count; i++) {
-        tracers[i] = (struct tracer){.mesh = mesh,
-                                     .options = request->options ? request->options : &usual,
-                                     .line = {.control = control, .others = count - 1}};
-        if (!status) status = open(&tracers[i], request, &request->ahead[i], detail);
-    }
-    if (!status) {
-        transport_trace_run(tracers, count);
-        status = transport_trace_status_of(tracers, count);
-        if (status) gd_fail_status(detail, status);
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        if (!status) transport_trace_finish(&tracers[i], &out[i]);
-        if (!status && !(request->length > 0)) out[i].direction = tracers[i].ahead;
-        if (status) free(tracers[i].line.points);
-        gd__meetings_destroy(tracers[i].meetings);
-    }
-    return status;
-}
-
 enum gd_status gd_trace_follow(const struct gd_mesh *mesh, const struct gd_trace_request *request,
                                const struct gd_control *control, struct gd_trace *out,
                                struct gd_detail *detail)
 {
-    struct gd_trace_request one = *request;
-    one.count = 1;
-    return gd_trace_follow_many(mesh, &one, control, out, detail);
+    static const struct gd_trace_options usual = {0};
+    struct tracer tracer = {.mesh = mesh,
+                            .options = request->options ? request->options : &usual,
+                            .line = {.control = control}};
+    enum gd_status status = open(&tracer, request, detail);
+    while (!status && tracer.halt < HALT_END) tracer.halt = go_on(&tracer);
+    if (!status && tracer.line.status) status = gd_fail_status(detail, tracer.line.status);
+    if (status)
+        free(tracer.line.points);
+    else
+        transport_trace_finish(&tracer, out);
+    if (!status && !(request->length > 0)) out->direction = tracer.ahead;
+    gd__meetings_destroy(tracer.meetings);
+    return status;
 }
 
 void gd_trace_free(struct gd_trace *trace)

@@ -17,7 +17,7 @@
 #include "tests/bench/bench.h"
 
 enum {
-    FAN = 45 * GD_TRACE_LANES,
+    FAN = 360,
     VERTICES = 1000000,
     QUICK_VERTICES = 20000,
     SEARCHES = 12,
@@ -94,26 +94,21 @@ static double trace_mesh(struct bundle *bundle)
     double begun = bench_thread_ms();
     struct gd_point start;
     bench_require(gd_limit_mesh_point(bundle->fine, &bundle->start, &start, NULL), NULL);
-    for (int first = 0; first < FAN; first += GD_TRACE_LANES) {
-        struct gd_direction ahead[GD_TRACE_LANES];
-        struct gd_trace traces[GD_TRACE_LANES];
-        for (int i = 0; i < GD_TRACE_LANES; i++)
-            bench_require(
-                gd_direction_along(mesh, &start, direction_of(bundle, first + i), &ahead[i], NULL),
-                NULL);
-        bench_require(gd_trace_follow_many(mesh,
-                                           &(struct gd_trace_request){.start = &start,
-                                                                      .ahead = ahead,
-                                                                      .length = bundle->length,
-                                                                      .options = &options,
-                                                                      .count = GD_TRACE_LANES},
-                                           NULL, traces, NULL),
+    for (int i = 0; i < FAN; i++) {
+        struct gd_direction ahead;
+        struct gd_trace trace;
+        bench_require(gd_direction_along(mesh, &start, direction_of(bundle, i), &ahead, NULL),
                       NULL);
-        for (int i = 0; i < GD_TRACE_LANES; i++) {
-            bundle->end_points[first + i] = traces[i].path.points[traces[i].path.count - 1];
-            bundle->ends[first + i] = gd_point_position(mesh, &bundle->end_points[first + i]);
-            gd_trace_free(&traces[i]);
-        }
+        bench_require(gd_trace_follow(mesh,
+                                      &(struct gd_trace_request){.start = &start,
+                                                                 .ahead = &ahead,
+                                                                 .length = bundle->length,
+                                                                 .options = &options},
+                                      NULL, &trace, NULL),
+                      NULL);
+        bundle->end_points[i] = trace.path.points[trace.path.count - 1];
+        bundle->ends[i] = gd_point_position(mesh, &bundle->end_points[i]);
+        gd_trace_free(&trace);
     }
     return bench_thread_ms() - begun;
 }

@@ -55,7 +55,6 @@ struct gd_trace_request {
     const struct gd_direction *ahead;       /* a direction at `start`; only its angle is used */
     double length;                          /* >= 0 */
     const struct gd_trace_options *options; /* NULL means all zero */
-    uint32_t count;                         /* number of directions, for gd_trace_follow_many */
 };
 
 enum gd_trace_end {
@@ -76,7 +75,7 @@ struct gd_trace {
 
 void gd_trace_free(struct gd_trace *trace); /* frees the path and zeroes; NULL is allowed */
 
-/* Traces the line of the request; `count` is ignored. `control` and `detail` may be NULL. Lengths
+/* Traces the line of the request. `control` and `detail` may be NULL. Lengths
  * are compensated sums: even a long line has the requested length to the last bits. The caller
  * frees `*out` by gd_trace_free. Errors: GD_INVALID_ARGUMENT (a length that is negative or not
  * finite, an angle that is not finite), GD_NOT_ON_SURFACE (the direction leads over the boundary),
@@ -86,18 +85,6 @@ GD_MUST_USE enum gd_status gd_trace_follow(const struct gd_mesh *mesh,
                                            const struct gd_trace_request *request,
                                            const struct gd_control *control, struct gd_trace *out,
                                            struct gd_detail *detail);
-
-#define GD_TRACE_LANES 8 /* largest number of traces of gd_trace_follow_many */
-
-/* Traces lines in request->count <= GD_TRACE_LANES directions into as many elements of `out`: the
- * results equal those of gd_trace_follow to the last bit. The lines advance in turn, by one face
- * each, so that their memory latencies overlap. On meshes larger than the caches this is about four
- * times as fast as single calls. On failure of any line `out` is untouched, and the detail
- * describes the first failure. Memory is allocated once for all lines. */
-GD_MUST_USE enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh,
-                                                const struct gd_trace_request *request,
-                                                const struct gd_control *control,
-                                                struct gd_trace *out, struct gd_detail *detail);
 
 /* Returns direction `i` < `count` of a fan of `count` directions at equal angles. At an interior
  * point the fan goes all around, from angle zero. At a boundary point it goes from one direction

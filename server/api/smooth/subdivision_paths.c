@@ -147,7 +147,6 @@ struct trace {
     /* On the triangles of a level: */
     struct server_discretization *grid, *discretization; /* discretization: the mesh; or NULL */
     struct gd_point start;
-    uint32_t lanes; /* number of paths traced together */
     /* On the grid or on the smooth surface, for the current path: */
     struct gd_vec3 direction;
     struct gd_limit_path path;
@@ -224,12 +223,10 @@ static bool trace_decode(struct server_query *query, const json_t *document)
     return true;
 }
 
-/* Returns the monitor of some of the paths. */
-static struct server_monitor trace_monitor(const struct trace *trace, uint32_t first,
-                                           uint32_t count)
+static struct server_monitor trace_monitor(const struct trace *trace, uint32_t i)
 {
     double share = (1 - BUILD_SHARE) / trace->wanted.count;
-    return server_query_monitor(&trace->query, BUILD_SHARE + first * share, count * share);
+    return server_query_monitor(&trace->query, BUILD_SHARE + i * share, share);
 }
 
 static enum gd_status trace_evaluate(struct trace *trace, const struct gd_limit_point *place,
@@ -249,20 +246,6 @@ static size_t mesh_path_bytes(const struct trace *trace)
     return bytes + 2 * steps * SEGMENT_BYTES + mesh->faces * sizeof(uint32_t) + mesh->vertices;
 }
 
-/* Takes memory for one path, or for several paths if the budget has spare bytes, because tracing
- * several together is faster. */
-static enum gd_status mesh_reserve(struct trace *trace)
-{
-    struct server_budget *budget = trace->query.exchange->host->budget;
-    size_t one = mesh_path_bytes(trace);
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, one)) return GD_BUDGET;
-    bool has_room =
-        server_budget_take_spare(budget, SERVER_BUDGET_FLIGHT, (GD_TRACE_LANES - 1) * one);
-    trace->lanes = has_room ? GD_TRACE_LANES : 1;
-    trace->query.held += trace->lanes * one;
-    return GD_OK;
-}
-
 static enum gd_status mesh_prepare(struct trace *trace)
 {
     enum gd_status status = discretization_get(&trace->query, trace->wanted.level, false,
@@ -271,55 +254,32 @@ static enum gd_status mesh_prepare(struct trace *trace)
     const struct gd_limit_mesh *mesh = trace->discretization->mesh;
     status = gd_limit_mesh_point(mesh, &trace->wanted.start, &trace->start, &trace->detail);
     trace->options.normals = gd_limit_mesh_normals(mesh);
-    return status ? status : mesh_reserve(trace);
+    return status ? status : server_query_take(&trace->query, mesh_path_bytes(trace));
 }
 
-/* Writes the path of a direction that leads over the boundary. Such a path ends at its start. */
-static enum gd_status mesh_stay(struct trace *trace, struct gd_vec3 direction,
-                                const struct gd_control *control, struct gd_trace *out)
+/* Follows a path. A path in a direction that leads over the boundary ends at its start. */
+static enum gd_status mesh_follow(struct trace *trace, uint32_t i, const struct gd_control *control,
+                                  struct gd_trace *out)
 {
     const struct gd_mesh *mesh = gd_limit_mesh_mesh(trace->discretization->mesh);
+    struct gd_vec3 direction = proto_limit_trace_direction(&trace->wanted, &trace->jet, i);
     struct gd_direction ahead;
-    enum gd_status status = gd_direction_at_angle(mesh, &trace->start, 0, &ahead, &trace->detail);
+    enum gd_status status =
+        gd_direction_along(mesh, &trace->start, direction, &ahead, &trace->detail);
+    bool stays = status == GD_NOT_ON_SURFACE;
+    if (stays) status = gd_direction_at_angle(mesh, &trace->start, 0, &ahead, &trace->detail);
     if (!status)
         status = gd_trace_follow(
             mesh,
-            &(struct gd_trace_request){
-                .start = &trace->start, .ahead = &ahead, .length = 0, .options = &trace->options},
+            &(struct gd_trace_request){.start = &trace->start,
+                                       .ahead = &ahead,
+                                       .length = stays ? 0 : trace->wanted.request.length,
+                                       .options = &trace->options},
             control, out, &trace->detail);
-    if (status) return status;
+    if (status || !stays) return status;
     out->end = GD_TRACE_END_BOUNDARY;
     out->direction.xyz = gd_limit_direction(&trace->jet, gd_limit_angle(&trace->jet, direction));
     return GD_OK;
-}
-
-/* Follows `count` paths; the caller frees all of them, even after an error. */
-static enum gd_status mesh_follow(struct trace *trace, uint32_t first, uint32_t count,
-                                  const struct gd_control *control, struct gd_trace *out)
-{
-    const struct gd_mesh *mesh = gd_limit_mesh_mesh(trace->discretization->mesh);
-    const struct proto_limit_trace *wanted = &trace->wanted;
-    struct gd_direction ahead[GD_TRACE_LANES];
-    struct gd_trace followed[GD_TRACE_LANES];
-    uint32_t path_of[GD_TRACE_LANES], going = 0;
-    enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < count; i++) out[i] = (struct gd_trace){0};
-    for (uint32_t i = 0; i < count && !status; i++) {
-        struct gd_vec3 direction = proto_limit_trace_direction(wanted, &trace->jet, first + i);
-        status = gd_direction_along(mesh, &trace->start, direction, &ahead[going], &trace->detail);
-        if (!status) path_of[going++] = i;
-        if (status == GD_NOT_ON_SURFACE) status = mesh_stay(trace, direction, control, &out[i]);
-    }
-    if (!status)
-        status = gd_trace_follow_many(mesh,
-                                      &(struct gd_trace_request){.start = &trace->start,
-                                                                 .ahead = ahead,
-                                                                 .length = wanted->request.length,
-                                                                 .options = &trace->options,
-                                                                 .count = going},
-                                      control, followed, &trace->detail);
-    for (uint32_t k = 0; k < going && !status; k++) out[path_of[k]] = followed[k];
-    return status;
 }
 
 static enum gd_status mesh_write_path(struct trace *trace, const struct gd_trace *followed)
@@ -341,16 +301,15 @@ static enum gd_status mesh_write_path(struct trace *trace, const struct gd_trace
     return status;
 }
 
-static enum gd_status mesh_write(struct trace *trace, uint32_t first, uint32_t count)
+static enum gd_status mesh_write(struct trace *trace, uint32_t i)
 {
-    struct server_monitor monitor = trace_monitor(trace, first, count);
+    struct server_monitor monitor = trace_monitor(trace, i);
     const struct gd_control control = server_exchange_control(&monitor);
-    struct gd_trace paths[GD_TRACE_LANES];
-    enum gd_status status = mesh_follow(trace, first, count, &control, paths);
-    for (uint32_t i = 0; i < count; i++) {
-        if (!status) status = mesh_write_path(trace, &paths[i]);
-        gd_trace_free(&paths[i]);
-    }
+    struct gd_trace path;
+    enum gd_status status = mesh_follow(trace, i, &control, &path);
+    if (status) return status;
+    status = mesh_write_path(trace, &path);
+    gd_trace_free(&path);
     return status ? status : gd_control_check(&control, 1);
 }
 
@@ -395,7 +354,7 @@ static enum gd_status limit_follow(struct trace *trace, const struct gd_control 
 /* Writes a path on the grid or on the smooth surface. */
 static enum gd_status limit_write(struct trace *trace, uint32_t i, bool *is_traced)
 {
-    struct server_monitor monitor = trace_monitor(trace, i, 1);
+    struct server_monitor monitor = trace_monitor(trace, i);
     struct gd_limit_path *path = &trace->path;
     size_t held = trace->query.held;
     trace->direction = proto_limit_trace_direction(&trace->wanted, &trace->jet, i);
@@ -421,27 +380,21 @@ static enum gd_status grid_write(struct trace *trace, uint32_t i)
     enum gd_status status = limit_write(trace, i, &is_traced);
     if (status || is_traced) return status;
     if (!trace->discretization) status = mesh_prepare(trace);
-    return status ? status : mesh_write(trace, i, 1);
+    return status ? status : mesh_write(trace, i);
 }
 
 static enum gd_status trace_write_paths(struct trace *trace)
 {
     struct proto_writer *writer = &trace->query.draft;
     bool needs_mesh = trace->options.stop_at_self_intersection;
-    uint32_t total = trace->wanted.count;
     enum gd_status status = trace_reserve(trace);
     if (!status && needs_mesh) status = mesh_prepare(trace);
     if (!status && !needs_mesh && !trace->wanted.request.smooth)
         status = discretization_get(&trace->query, trace->wanted.level, true, &trace->grid,
                                     &trace->detail);
     proto_member_array(writer, "paths");
-    for (uint32_t i = 0, count = 1; i < total && !status; i += count) {
-        if (needs_mesh) {
-            count = total - i < trace->lanes ? total - i : trace->lanes;
-            status = mesh_write(trace, i, count);
-        } else {
-            status = grid_write(trace, i);
-        }
+    for (uint32_t i = 0; i < trace->wanted.count && !status; i++) {
+        status = needs_mesh ? mesh_write(trace, i) : grid_write(trace, i);
         if (!status) status = server_query_pause(&trace->query, NULL, 0);
     }
     proto_write_array_end(writer);

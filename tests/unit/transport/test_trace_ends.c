@@ -196,70 +196,6 @@ static void the_limit_at_a_vertex(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Lines that are traced together equal lines that are traced alone, bit for bit. An error of one
- * line fails the whole call. */
-static void several_lines_equal_single_ones(void **state)
-{
-    (void)state;
-    struct surface terrain = surface_of("terrain", (double[SAMPLE_PARAMETERS]){24, 1, 2});
-    struct gd_point start = nearest(terrain.mesh, 0.4, 0.6, 0);
-    struct gd_direction ahead[GD_TRACE_LANES];
-    for (uint32_t i = 0; i < GD_TRACE_LANES; i++)
-        ahead[i] = gd_trace_fan(terrain.mesh, &start, GD_TRACE_LANES, i);
-    const struct gd_trace_options options[] = {
-        {.vertex_rule = GD_VERTEX_RULE_NORMAL},
-        {.boundary_rule = GD_BOUNDARY_RULE_SLIDE, .step_limit = 40},
-        {.stop_at_self_intersection = true}};
-    struct gd_trace traces[GD_TRACE_LANES];
-    for (uint32_t n = 0; n < 3 * COUNT(options); n++) {
-        const struct gd_trace_options *how = &options[n / 3];
-        double length = n % 3 * 1.3;
-        check_ok(gd_trace_follow_many(terrain.mesh,
-                                      &(struct gd_trace_request){.start = &start,
-                                                                 .ahead = ahead,
-                                                                 .length = length,
-                                                                 .options = how,
-                                                                 .count = GD_TRACE_LANES},
-                                      NULL, traces, NULL),
-                 NULL);
-        for (uint32_t i = 0; i < GD_TRACE_LANES; i++) {
-            struct gd_trace alone = follow(terrain.mesh, start, ahead[i], length, how);
-            assert_int_equal(traces[i].path.count, alone.path.count);
-            assert_int_equal(traces[i].end, alone.end);
-            assert_true(traces[i].path.length == alone.path.length &&
-                        traces[i].direction.angle == alone.direction.angle);
-            for (uint32_t k = 0; k < alone.path.count; k++)
-                assert_true(gd_point_equal(&traces[i].path.points[k], &alone.path.points[k]));
-            gd_trace_free(&alone);
-            gd_trace_free(&traces[i]);
-        }
-    }
-    /* the budget is enough for one line, but not for all */
-    struct gd_control control = {.budget_bytes = 8192};
-    check_ok(gd_trace_follow_many(terrain.mesh,
-                                  &(struct gd_trace_request){
-                                      .start = &start, .ahead = ahead, .length = 0.1, .count = 1},
-                                  &control, traces, NULL),
-             NULL);
-    gd_trace_free(&traces[0]);
-    assert_int_equal(gd_trace_follow_many(terrain.mesh,
-                                          &(struct gd_trace_request){.start = &start,
-                                                                     .ahead = ahead,
-                                                                     .length = 0.1,
-                                                                     .count = GD_TRACE_LANES},
-                                          &control, traces, NULL),
-                     GD_BUDGET);
-    ahead[5].angle = NAN;
-    assert_int_equal(gd_trace_follow_many(terrain.mesh,
-                                          &(struct gd_trace_request){.start = &start,
-                                                                     .ahead = ahead,
-                                                                     .length = 0.1,
-                                                                     .count = GD_TRACE_LANES},
-                                          NULL, traces, NULL),
-                     GD_INVALID_ARGUMENT);
-    surface_free(&terrain);
-}
-
 static void fans(void **state)
 {
     (void)state;
@@ -290,7 +226,6 @@ int main(void)
         cmocka_unit_test(slides_along_the_boundary),
         cmocka_unit_test(limits),
         cmocka_unit_test(the_limit_at_a_vertex),
-        cmocka_unit_test(several_lines_equal_single_ones),
         cmocka_unit_test(fans),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
