@@ -173,9 +173,7 @@ struct gd__local gd__portal_place(const struct gd_mesh *mesh, const struct gd__p
     uint32_t face = mesh->side_face[portal->side];
     double weight[3];
     gd__point_weights(mesh, point, face, weight);
-    int k = mesh->face_side[face][0] == portal->side   ? 0
-            : mesh->face_side[face][1] == portal->side ? 1
-                                                       : 2;
+    int k = gd__place_of_side(mesh->face_side[face], portal->side);
     return placed(portal->left, portal->along,
                   gd__face_local(mesh, portal->side,
                                  (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]}));
