@@ -134,6 +134,9 @@ struct text {
     char bytes[GATHERED_MOST];
 };
 
+/* Not in `output`, whose initial value would add them to the program's file. */
+static struct text texts[2];
+
 static struct {
     pthread_mutex_t lock;
     struct server_thread *thread; /* NULL means that the thread is not started, or is stopping */
@@ -146,9 +149,7 @@ static struct {
     uint64_t noted;        /* number of dropped lines that the log has reported */
     atomic_bool is_behind; /* true if some line is not written yet */
     atomic_uint_least64_t dropped;
-    struct text texts[2];
-} output = {
-    .lock = PTHREAD_MUTEX_INITIALIZER, .gathering = &output.texts[0], .other = &output.texts[1]};
+} output = {.lock = PTHREAD_MUTEX_INITIALIZER, .gathering = &texts[0], .other = &texts[1]};
 
 uint64_t server_log_dropped(void)
 {
