@@ -8,14 +8,16 @@ export GEODESICD ?= $(abspath $(BUILD)/geodesicd)
 CC      ?= cc
 CXX     ?= c++
 OPT     ?= -O3
+# Line numbers, for backtraces and profiles. DEBUG=-g adds variables, for a debugger.
+DEBUG   ?= -g1 -gz
 WARN    := -Wall -Wextra -Wshadow -Wpointer-arith -Wvla
 CWARN   := $(WARN) -Wstrict-prototypes -Wmissing-prototypes
 # The user may set CPPFLAGS, CFLAGS, CXXFLAGS and LDFLAGS. They come after the flags below.
 GD_CPPFLAGS := -Iengine/include -Iengine -I. -I$(BUILD) -D_GNU_SOURCE
-GD_CFLAGS   := -std=c17 $(OPT) -g -fno-math-errno -ffp-contract=off -fvisibility=hidden -pthread \
+GD_CFLAGS   := -std=c17 $(OPT) $(DEBUG) -fno-math-errno -ffp-contract=off -fvisibility=hidden -pthread \
                $(CWARN) $(SAN)
-GD_CXXFLAGS := -std=c++17 $(OPT) -g -fno-math-errno -ffp-contract=off -pthread $(WARN) $(SAN)
-GD_LDFLAGS  := -pthread $(SAN)
+GD_CXXFLAGS := -std=c++17 $(OPT) $(DEBUG) -fno-math-errno -ffp-contract=off -pthread $(WARN) $(SAN)
+GD_LDFLAGS  := -pthread $(DEBUG) $(SAN)
 
 objects = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 

@@ -17,7 +17,7 @@ FORCE:
 # $(call stamp,NAME,VARIABLE): the rule of the file stamps/NAME. It is rewritten if the variable's
 # value has changed. Targets that depend on the value depend on this file. The exception is `make
 # install` without flags: it installs the existing build even if the value has changed.
-FLAGS_GIVEN := $(foreach name,CC CXX OPT SAN CPPFLAGS CFLAGS CXXFLAGS LDFLAGS,$(findstring command,$(origin $(name))))
+FLAGS_GIVEN := $(foreach name,CC CXX OPT DEBUG SAN CPPFLAGS CFLAGS CXXFLAGS LDFLAGS,$(findstring command,$(origin $(name))))
 AS_BUILT    := $(if $(filter-out install install-libraries uninstall,$(or $(MAKECMDGOALS),build))$(strip $(FLAGS_GIVEN)),,yes)
 define stamp
 $(BUILD)/stamps/$(1): export STAMP = $$($(2))
