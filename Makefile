@@ -48,7 +48,7 @@ build: $(BUILD)/geodesicd $(BUILD)/gd_sample ## build the daemon and the sample 
 
 announce-demo:
 	@echo "make demo: installs the packages that are missing, builds the daemon, and starts it for this machine only."
-	@echo "On a new system this takes about two minutes and 800 MB of disk; with VIEWER=no, 500 MB."
+	@echo "On a new system this takes about two minutes and 550 MB of disk; with VIEWER=no, 400 MB."
 
 demo: announce-demo setup ## set up, build, start the daemon, upload a sample, ask, print answers and the URL
 	@$(MAKE) --no-print-directory -j2 build

@@ -1,6 +1,6 @@
 # The daemon's web pages, and the client library for C. Included by the Makefile.
 
-.PHONY: client-c check-pages
+.PHONY: client-c pages check-pages
 
 # clients/web/build.sh builds the pages with packages of npm, once for all builds below $(BUILD).
 # With VIEWER=no, one page replaces them; it says that the viewer is missing.
@@ -17,6 +17,8 @@ $(PAGES_BUILD)/installed: clients/web/package.json clients/web/package-lock.json
 
 $(PAGES_BUILD)/pages/licenses.txt: $(PAGES_BUILD)/installed $(shell find clients/web clients/js/types.d.ts -name node_modules -prune -o -type f -print)
 	@clients/web/build.sh bundle $(PAGES_BUILD)
+
+pages: $(PAGES)
 
 check-pages: $(PAGES_BUILD)/installed
 	@clients/web/build.sh check $(PAGES_BUILD)

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # install_packages.sh PACKAGE... [--if-available PACKAGE...] [--headers FOLDER PACKAGE]
+#                     [--npm FOLDER VERSION]
 #
 # Installs the missing packages and prints their size. {clang} in a name stands for the version of
 # the system's clang: libclang-rt-{clang}-dev. --headers unpacks one package below FOLDER, without
-# the packages that it depends on, and installs only the libraries of the same source. Needs apt,
-# and root or sudo if a package is missing. Neither starts nor enables the services of servers
-# (PostgreSQL, HAProxy).
+# the packages that it depends on, and installs only the libraries of the same source. --npm
+# installs npm below FOLDER if the system has no npm. Needs apt, and root or sudo if a package is
+# missing. Neither starts nor enables the services of servers (PostgreSQL, HAProxy).
 set -euo pipefail
 
 # The installation leaves only the packages: no downloads, no caches, no translations.
@@ -67,17 +68,37 @@ unpack_headers() {
     done
 }
 
+# Debian's npm depends on 350 packages with 200 MB. They are unpacked only to install npm from its
+# registry, which needs only node, and are deleted afterwards.
+install_npm() {
+    mkdir -p "$place/archives/partial"
+    "${root[@]}" apt-get -qq -y --no-install-recommends --download-only -o Dir::Cache::archives="$place/archives" install npm >"$log" &&
+        find "$place/archives" -name '*.deb' -print0 | xargs -0 -P 2 -I {} dpkg-deb -x {} "$place/npm" &&
+        ln -s usr/share/nodejs "$place/npm/node_modules" &&
+        node "$place/npm/usr/share/nodejs/npm/bin/npm-cli.js" install --silent --no-audit --no-fund --cache "$place/cache" \
+            --prefix "$npm_folder" "npm@$npm_version" >>"$log"
+}
+
 wanted=()
 headers=
+npm_folder=
 while [ $# -gt 0 ]; do
-    if [ "$1" = --headers ]; then
+    case $1 in
+    --headers)
         folder=$2
         headers=$3
         shift 3
-    else
+        ;;
+    --npm)
+        npm_folder=$2
+        npm_version=$3
+        shift 3
+        ;;
+    *)
         wanted+=("$1")
         shift
-    fi
+        ;;
+    esac
 done
 if ! command -v apt-get >/dev/null; then
     echo "There is no apt-get here, so nothing is installed. Wanted are what Debian names: ${wanted[*]} $headers" >&2
@@ -90,13 +111,16 @@ if [ -n "$headers" ] && is_installed "$headers"; then
 elif [ -n "$headers" ]; then
     [ -e "$folder/DEBIAN/control" ] || is_unpacked=false
 fi
+if [ -e "$npm_folder/node_modules/.bin/npm" ] || command -v npm >/dev/null; then
+    npm_folder=
+fi
 
 find_missing "${wanted[@]}"
-if [ ${#required[@]} = 0 ] && $is_unpacked; then
+if [ ${#required[@]} = 0 ] && $is_unpacked && [ -z "$npm_folder" ]; then
     exit 0
 fi
 
-if [ ${#required[@]} = 0 ] && apt-cache show "$headers" >/dev/null 2>&1; then # needs no root
+if [ ${#required[@]} = 0 ] && [ -z "$npm_folder" ] && apt-cache show "$headers" >/dev/null 2>&1; then # needs no root
     unpack_headers
     exit 0
 fi
@@ -105,7 +129,7 @@ root=()
 if [ "$(id -u)" != 0 ]; then
     if ! command -v sudo >/dev/null; then
         echo "These packages are missing, and there is neither root nor sudo to install them: have an administrator run" >&2
-        echo "    apt-get install --no-install-recommends ${required[*]} $headers" >&2
+        echo "    apt-get install --no-install-recommends ${required[*]}${npm_folder:+ npm} $headers" >&2
         exit 1
     fi
     root=(sudo)
@@ -113,7 +137,7 @@ fi
 root+=(env "APT_CONFIG=$APT_CONFIG" DEBIAN_FRONTEND=noninteractive)
 
 $is_unpacked && headers_too= || headers_too=", and the headers of $headers"
-echo "apt installs what is missing: ${required[*]}$headers_too"
+echo "apt installs what is missing: ${required[*]}$headers_too${npm_folder:+, and npm below $npm_folder}"
 lists=/var/lib/apt/lists
 had_lists=$(find $lists -name '*_Packages*' -print -quit 2>/dev/null)
 "${root[@]}" apt-get -qq update
@@ -153,3 +177,4 @@ for service in haproxy postgresql; do
         "${root[@]}" systemctl --quiet disable $service 2>/dev/null || true
     fi
 done
+[ -z "$npm_folder" ] || install_npm || { tail -n 20 "$log" >&2; echo "    npm could not be installed: what needs it is skipped" >&2; }

@@ -66,8 +66,8 @@ test: announce-test setup-test nurbs-peers contract-linter contract-generators w
 # $(BUILD)/FOLDER, unless the same list is there.
 define install_from_npm
 @if [ "$$(cat $(BUILD)/$(1)/complete 2>/dev/null)" != "$(2)" ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/$(1); \
-    timeout 180 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/$(1) $(2) \
-        >/dev/null 2>&1 && echo "$(2)" >$(BUILD)/$(1)/complete || echo "npm could not install $(2): $(3)"; fi
+    timeout 180 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --cache $(BUILD)/$(1)/cache --prefix $(BUILD)/$(1) $(2) \
+        >/dev/null 2>&1 && echo "$(2)" >$(BUILD)/$(1)/complete || echo "npm could not install $(2): $(3)"; rm -rf $(BUILD)/$(1)/cache; fi
 endef
 
 NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0 gltf-validator@2.0.0-dev.3.10

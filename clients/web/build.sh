@@ -22,9 +22,10 @@ install_packages() {
         say "the viewer is built by node 18 or later and npm, which are not here: make setup installs them; make VIEWER=no builds a daemon without the viewer"
     cp "$here/package.json" "$here/package-lock.json" "$place"
     ln -sfn "$(dirname "$here")" "$place/clients"
-    (cd "$place" && timeout 300 npm ci --ignore-scripts $1 --no-audit --no-fund --loglevel=error --fetch-retry-mintimeout=1000 --fetch-retry-maxtimeout=5000) >"$place/npm.log" 2>&1 ||
+    (cd "$place" && timeout 300 npm "$@" --ignore-scripts --no-audit --no-fund --cache "$place/cache" --loglevel=error --fetch-retry-mintimeout=1000 --fetch-retry-maxtimeout=5000) >"$place/npm.log" 2>&1 ||
         say "npm could not install the viewer's packages ($(grep -m 1 -iE 'npm err' "$place/npm.log" || echo 'no answer in 300 s')): connect to its registry," \
             "or go on by make VIEWER=no, which builds a daemon without the viewer; all that npm said is in $place/npm.log"
+    rm -rf "$place/cache" # the pages need no second download
     touch "$place/installed"
 }
 
@@ -60,7 +61,7 @@ check() {
     [ -e "$place/node_modules/typescript" ] || {
         before=$(mktemp)
         touch -r "$place/installed" "$before"
-        install_packages --include=dev
+        install_packages install --no-save --include=dev
         touch -r "$before" "$place/installed" # what the pages contain is the same
         rm "$before"
     }
@@ -72,7 +73,7 @@ mkdir -p "$place"
 exec 9>"$place/lock"
 flock 9
 case $1 in
-install) install_packages --omit=dev ;;
+install) install_packages ci --omit=dev ;;
 bundle) bundle ;;
 check) check ;;
 *) say "usage: build.sh install|bundle|check PLACE" ;;
