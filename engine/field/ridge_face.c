@@ -16,6 +16,7 @@ struct work {
     const struct gd__sources *sources;
     struct gd__local middle;
     double slack; /* rounding of distances in the face */
+    uint32_t row; /* number of words in a row of rivals */
 };
 
 static const struct gd__source *source_at(const struct work *work, uint32_t i)
@@ -218,6 +219,23 @@ static bool is_ridge(const struct work *work, const struct pair *pair, struct gd
     return is_away;
 }
 
+/* Returns true if the lines need no point between the ends of a part, even if its ends are moved by
+ * `near` or to a node close by. The test is that of the lines (voronoi_line.c), with half the
+ * tolerance. */
+static bool is_straight(const struct work *work, const struct gd__arc *arc,
+                        const struct gd__local end[2], double near)
+{
+    const double tolerance = work->ridges->tolerance, small = 0.125;
+    if (arc->focus[0].linear) return true;
+    if (arc->to - arc->from >= M_PI_2 ||
+        near + GD_TOL_NODE * work->sources->frame.size > small * tolerance)
+        return false;
+    struct gd__local middle = {0.5 * (end[0].x + end[1].x), 0.5 * (end[0].y + end[1].y)},
+                     at = gd__between_two(arc->focus, middle,
+                                          gd__local_length(gd__local_minus(end[1], end[0])));
+    return gd__local_length(gd__local_minus(at, middle)) <= 0.5 * tolerance;
+}
+
 static enum gd_status add_part(const struct work *work, const struct pair *pair,
                                const struct gd__span *span)
 {
@@ -228,32 +246,100 @@ static enum gd_status add_part(const struct work *work, const struct pair *pair,
     double angle = angle_at(pair->focus, middle);
     for (int k = 0; k < 2; k++) angle = fmax(angle, angle_at(pair->focus, at[k]));
     if (angle < GD_TOL_RIDGE || !is_ridge(work, pair, middle)) return GD_OK;
+    const struct gd__arc arc = {
+        {pair->focus[0], pair->focus[1]}, branch->zero + span->from, branch->zero + span->to};
     const struct gd__members *members = &work->ridges->diagram.members;
     uint32_t a = gd__member_of(members, source_at(work, pair->number[0])->pseudo),
              b = gd__member_of(members, source_at(work, pair->number[1])->pseudo);
     struct gd__ridge ridge = {.part = {.face = work->sources->face,
                                        .member = {a < b ? a : b, a < b ? b : a},
-                                       .node = {GD_NONE, GD_NONE},
-                                       .focus = {pair->focus[0], pair->focus[1]},
-                                       .from = branch->zero + span->from,
-                                       .to = branch->zero + span->to,
-                                       .is_straight = branch->source.linear},
-                              .angle = angle};
-    for (int k = 0; k < 2; k++)
-        ridge.end[k] = locate_end(
-            work, refine_end(work, pair, k ? span->to_by : span->from_by, at[k]), pair->beside);
+                                       .node = {GD_NONE, GD_NONE}},
+                              .pair = {angle, {pair->number[0], pair->number[1]}}};
+    for (int k = 0; k < 2; k++) {
+        at[k] = refine_end(work, pair, k ? span->to_by : span->from_by, at[k]);
+        ridge.end[k] = locate_end(work, at[k], pair->beside);
+    }
     int side = side_along(work, ridge.end, middle);
-    if (side == 3) return gd__ridges_add(work->ridges, &ridge);
+    if (side == 3)
+        return gd__ridges_add(work->ridges, &ridge,
+                              is_straight(work, &arc, at, ridge.end[0].near) ? NULL : &arc);
     return gd__ridges_add_along(work->ridges,
                                 work->field->mesh->face_side[ridge.part.face][side] >> 1, &ridge);
 }
 
-/* --- two sources ------------------------------------------------------------------------------ */
+/* --- sources that compete --------------------------------------------------------------------- */
 
-static bool is_out_of_reach(const struct work *work, uint32_t i, uint32_t j)
+enum { CORNERS = 8, BITS = 64 };
+
+/* The corners of a view; the first one is repeated. */
+struct corners {
+    double x[CORNERS], y[CORNERS];
+};
+
+static struct corners corners_of(const struct gd__view *view)
 {
-    return gd__view_is_beyond(&work->ridges->scratch.view[i], source_at(work, j));
+    struct corners corners;
+    for (int k = 0; k < CORNERS; k++) {
+        struct gd__local at = view->corner[k < view->count ? k : 0];
+        corners.x[k] = at.x;
+        corners.y[k] = at.y;
+    }
+    return corners;
 }
+
+/* As gd__view_is_beyond, for a view with corners. */
+static bool is_beyond(const struct corners *view, double most, const struct gd__source *other)
+{
+    if (most < other->nearest) return true;
+    if (!other->has_sector) return false;
+    int left = 0, right = 0;
+    for (int k = 0; k < CORNERS; k++) {
+        left |= !(other->left.x * (view->x[k] - other->left_at.x) +
+                      other->left.y * (view->y[k] - other->left_at.y) <
+                  0);
+        right |= !(other->right.x * (view->x[k] - other->right_at.x) +
+                       other->right.y * (view->y[k] - other->right_at.y) <
+                   0);
+    }
+    return !left || !right;
+}
+
+/* Returns the row of a view: a bit for each source, set if the source competes in the view. */
+static uint64_t *rivals_of(const struct work *work, uint32_t i)
+{
+    return work->ridges->rivals + (size_t)i * work->row;
+}
+
+static bool are_rivals(const struct work *work, uint32_t i, uint32_t j)
+{
+    return rivals_of(work, i)[j / BITS] >> j % BITS & 1 &&
+           rivals_of(work, j)[i / BITS] >> i % BITS & 1;
+}
+
+static enum gd_status find_rivals(struct work *work)
+{
+    struct gd__ridges *ridges = work->ridges;
+    uint32_t count = work->sources->count;
+    work->row = (count + BITS - 1) / BITS;
+    uint64_t words = (uint64_t)work->row * count;
+    enum gd_status status = gd__array_extend(&ridges->rivals, &ridges->rivals_capacity, words,
+                                             sizeof *ridges->rivals, ridges->pace.control);
+    for (uint32_t i = 0; i < count && !status; i++) {
+        const struct gd__view *view = &ridges->scratch.view[i];
+        struct corners corners = corners_of(view);
+        uint64_t *row = rivals_of(work, i);
+        for (uint32_t first = 0; first < count; first += BITS) {
+            uint64_t bits = 0;
+            for (uint32_t k = first; k < count && k < first + BITS; k++)
+                bits |= (uint64_t)!is_beyond(&corners, view->most, source_at(work, k)) << k % BITS;
+            row[first / BITS] = bits;
+        }
+        status = gd__pace_step(&ridges->pace, count / 2);
+    }
+    return status;
+}
+
+/* --- two sources ------------------------------------------------------------------------------ */
 
 /* Returns the amount by which a third source must be nearer to win. */
 static double slack_against(const struct work *work, uint32_t third, const uint32_t number[2])
@@ -267,19 +353,29 @@ static double slack_against(const struct work *work, uint32_t third, const uint3
     return slack;
 }
 
+static enum gd_status cover_by_third(const struct work *work, const struct pair *pair, uint32_t k)
+{
+    struct gd__focus third = gd__focus_of(source_at(work, k));
+    struct gd__turn lost =
+        gd__branch_lost_to(&pair->branch, &third, slack_against(work, k, pair->number));
+    gd__branch_narrow_to_view(work->field, &work->sources->frame, &pair->branch, source_at(work, k),
+                              &lost);
+    return gd__spans_put(&work->ridges->scratch.covered, &lost, k);
+}
+
+/* Covers the spans where one of the sources that compete in both views is nearer. */
 static enum gd_status cover_by_others(const struct work *work, const struct pair *pair)
 {
-    const struct gd__face_frame *frame = &work->sources->frame;
+    const uint64_t *first = rivals_of(work, pair->number[0]),
+                   *second = rivals_of(work, pair->number[1]);
     enum gd_status status = GD_OK;
-    for (uint32_t k = 0; k < work->sources->count && !status; k++) {
-        if (k == pair->number[0] || k == pair->number[1] ||
-            is_out_of_reach(work, pair->number[0], k) || is_out_of_reach(work, pair->number[1], k))
-            continue;
-        struct gd__focus third = gd__focus_of(source_at(work, k));
-        struct gd__turn lost =
-            gd__branch_lost_to(&pair->branch, &third, slack_against(work, k, pair->number));
-        gd__branch_narrow_to_view(work->field, frame, &pair->branch, source_at(work, k), &lost);
-        status = gd__spans_put(&work->ridges->scratch.covered, &lost, k);
+    for (uint32_t word = 0; word < work->row && !status; word++) {
+        uint64_t bits = first[word] & second[word];
+        for (; bits && !status; bits &= bits - 1) {
+            uint32_t k = word * BITS + (uint32_t)__builtin_ctzll(bits);
+            if (k != pair->number[0] && k != pair->number[1])
+                status = cover_by_third(work, pair, k);
+        }
     }
     return status;
 }
@@ -292,7 +388,8 @@ static enum gd_status add_parts(const struct work *work, const struct pair *pair
         gd__branch_domain(work->field, work->sources, &pair->branch, pair->number, pair->beside);
     if (!domain.count) return GD_OK;
     spans->count = covered->count = 0;
-    enum gd_status status = gd__spans_put(spans, &domain, GD__SPAN_OPEN);
+    enum gd_status status = gd__pace_step(&work->ridges->pace, 64);
+    if (!status) status = gd__spans_put(spans, &domain, GD__SPAN_OPEN);
     if (!status) status = gd__spans_invert(spans, 0, covered);
     if (!status) status = cover_by_others(work, pair);
     if (!status) status = gd__spans_invert(covered, GD_TOL_SPAN, spans);
@@ -305,8 +402,7 @@ static enum gd_status add_parts(const struct work *work, const struct pair *pair
 static enum gd_status add_between(const struct work *work, uint32_t i, uint32_t j)
 {
     const struct gd__source *a = source_at(work, i), *b = source_at(work, j);
-    if (is_out_of_reach(work, i, j) || is_out_of_reach(work, j, i) || are_related(work, i, j))
-        return GD_OK;
+    if (are_related(work, i, j)) return GD_OK;
     /* the polar form of a branch is centred at a point source, the one around which the branch
      * bends */
     bool ordered = a->linear == b->linear ? a->sigma >= b->sigma : b->linear;
@@ -338,23 +434,43 @@ static enum gd_status find_views(struct work *work, struct gd__sources *sources)
     return status;
 }
 
-enum gd_status gd__ridges_of_face(struct gd__ridges *ridges, uint32_t face)
+/* Gathers the sources of a face that see a part of it; none if the face is not reached. */
+static enum gd_status gather(struct gd__ridges *ridges, uint32_t face, struct work *out)
 {
     const struct gd_field *field = ridges->diagram.field;
     struct gd__sources *sources = &ridges->scratch.sources;
     double most = gd__face_farthest(field, face);
-    if (most >= GD__FAR) return GD_OK;
-    enum gd_status status = gd__sources_gather(field, face, most, sources);
-    if (status) return status;
+    sources->count = 0;
+    enum gd_status status = most < GD__FAR ? gd__sources_gather(field, face, most, sources) : GD_OK;
+    if (status || !sources->count) return status;
     gd__sources_drop_needless(field, sources);
-    struct work work = {.ridges = ridges,
-                        .field = field,
-                        .sources = sources,
-                        .middle = gd__face_frame_middle(&sources->frame),
-                        .slack = gd__envelope_slack(most, sources->frame.size)};
-    status = find_views(&work, sources);
-    for (uint32_t i = 0; i < sources->count && !status; i++)
-        for (uint32_t j = i + 1; j < sources->count && !status; j++)
-            status = add_between(&work, i, j);
+    *out = (struct work){.ridges = ridges,
+                         .field = field,
+                         .sources = sources,
+                         .middle = gd__face_frame_middle(&sources->frame),
+                         .slack = gd__envelope_slack(most, sources->frame.size)};
+    return find_views(out, sources);
+}
+
+enum gd_status gd__ridge_foci(struct gd__ridges *ridges, uint32_t part, struct gd__focus focus[2])
+{
+    struct work work;
+    enum gd_status status = gather(ridges, ridges->diagram.bisector_part[part].face, &work);
+    for (int k = 0; k < 2 && !status; k++)
+        focus[k] = gd__focus_of(&ridges->scratch.sources.source[ridges->pair[part].source[k]]);
+    return status;
+}
+
+enum gd_status gd__ridges_of_face(struct gd__ridges *ridges, uint32_t face)
+{
+    struct work work;
+    enum gd_status status = gather(ridges, face, &work);
+    uint32_t count = ridges->scratch.sources.count;
+    if (!status && count) status = find_rivals(&work);
+    for (uint32_t i = 0; i < count && !status; i++) {
+        status = gd__pace_step(&ridges->pace, count / 8);
+        for (uint32_t j = i + 1; j < count && !status; j++)
+            if (are_rivals(&work, i, j)) status = add_between(&work, i, j);
+    }
     return status;
 }

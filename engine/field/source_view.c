@@ -73,7 +73,7 @@ bool gd__branch_narrow(const struct gd__branch *branch, const struct gd__bound *
                        struct gd__turn *turn)
 {
     struct gd__turn inside = gd__branch_beyond(branch, bound->normal, bound->through);
-    *turn = gd__turn_both(turn, &inside);
+    gd__turn_narrow(turn, &inside);
     return turn->count > 0;
 }
 

@@ -29,6 +29,19 @@ struct gd__turn gd__turn_around(double phi, double q);
 /* Returns the intersection. m and n spans give at most m + n - 1. */
 struct gd__turn gd__turn_both(const struct gd__turn *a, const struct gd__turn *b);
 
+/* Replaces a turn by its intersection with another one. Usually both have one span. */
+static inline void gd__turn_narrow(struct gd__turn *turn, const struct gd__turn *other)
+{
+    if (turn->count != 1 || other->count != 1) {
+        *turn = gd__turn_both(turn, other);
+        return;
+    }
+    struct gd__span *span = &turn->part[0];
+    *span = (struct gd__span){.from = fmax(span->from, other->part[0].from),
+                              .to = fmin(span->to, other->part[0].to)};
+    turn->count = span->from < span->to;
+}
+
 /* A reused list of spans; an all-zero struct is empty. */
 struct gd__spans {
     struct gd__span *span;

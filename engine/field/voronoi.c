@@ -40,6 +40,14 @@ enum gd_status gd__diagram_add_bisector_part(struct gd__diagram *diagram,
                             &diagram->bisector_part_capacity, bisector_part, sizeof *bisector_part);
 }
 
+enum gd_status gd__diagram_add_arc(struct gd__diagram *diagram, const struct gd__arc *arc,
+                                   uint32_t *out)
+{
+    *out = diagram->arc_count;
+    return gd__array_append(&diagram->arc, &diagram->arc_count, &diagram->arc_capacity, arc,
+                            sizeof *arc);
+}
+
 static enum gd_status open_diagram(struct gd__diagram *diagram)
 {
     const struct gd_mesh *mesh = diagram->mesh;
@@ -84,6 +92,7 @@ static void close_diagram(struct gd__diagram *diagram)
     free(diagram->node);
     free(diagram->edge_switch);
     free(diagram->bisector_part);
+    free(diagram->arc);
 }
 
 static void close_scratch(struct gd__voronoi_scratch *scratch)
@@ -116,7 +125,8 @@ static size_t held_by(const struct gd__diagram *diagram)
                (sizeof *diagram->first_switch + sizeof *diagram->mixture + sizeof(bool)) +
            2 * (diagram->node_capacity * sizeof *diagram->node +
                 diagram->switch_capacity * sizeof *diagram->edge_switch +
-                diagram->bisector_part_capacity * sizeof *diagram->bisector_part);
+                diagram->bisector_part_capacity * sizeof *diagram->bisector_part +
+                diagram->arc_capacity * sizeof *diagram->arc);
 }
 
 static enum gd_status check_work(struct tracer *tracer, double fraction)

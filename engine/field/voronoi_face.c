@@ -89,17 +89,19 @@ static struct gd__loose_end end_of(const struct work *work,
 }
 
 static enum gd_status append_bisector_part(const struct work *work, const struct gd__branch *branch,
-                                           const struct gd__bisector_part *pattern,
-                                           const struct gd__span *span)
+                                           const uint32_t pair[2], const struct gd__span *span)
 {
-    struct gd__bisector_part bisector_part = *pattern;
-    if (!is_nearest(work, &bisector_part.focus[0],
-                    gd__branch_place(branch, 0.5 * (span->from + span->to))))
+    struct gd__arc arc = {{focus_of(work, pair[0]), focus_of(work, pair[1])},
+                          branch->zero + span->from,
+                          branch->zero + span->to};
+    if (!is_nearest(work, &arc.focus[0], gd__branch_place(branch, 0.5 * (span->from + span->to))))
         return GD_OK;
-    bisector_part.from = branch->zero + span->from;
-    bisector_part.to = branch->zero + span->to;
-    uint32_t number;
-    enum gd_status status = gd__diagram_add_bisector_part(work->diagram, &bisector_part, &number);
+    uint32_t a = member_of(work, pair[0]), b = member_of(work, pair[1]), number;
+    struct gd__bisector_part bisector_part = {.face = work->scratch->sources.face,
+                                              .member = {a < b ? a : b, a < b ? b : a},
+                                              .node = {GD_NONE, GD_NONE}};
+    enum gd_status status = gd__diagram_add_arc(work->diagram, &arc, &bisector_part.arc);
+    if (!status) status = gd__diagram_add_bisector_part(work->diagram, &bisector_part, &number);
     for (uint32_t end = 0; end < 2 && !status; end++) {
         struct gd__loose_end loose =
             end_of(work, &bisector_part, end ? span->to_by : span->from_by);
@@ -183,14 +185,8 @@ static enum gd_status append_between(const struct work *work, uint32_t i, uint32
     if (!status) status = cover_by_others(work, &branch, i, j);
     if (!status) status = gd__spans_invert(&scratch->covered, GD_TOL_SPAN, &scratch->spans);
     if (!status) gd__spans_join(&scratch->spans);
-    uint32_t a = member_of(work, i), b = member_of(work, j);
-    struct gd__bisector_part bisector_part = {.face = scratch->sources.face,
-                                              .member = {a < b ? a : b, a < b ? b : a},
-                                              .node = {GD_NONE, GD_NONE},
-                                              .focus = {focus_of(work, i), focus_of(work, j)},
-                                              .is_straight = source.linear};
     for (uint32_t k = 0; k < scratch->spans.count && !status; k++)
-        status = append_bisector_part(work, &branch, &bisector_part, &scratch->spans.span[k]);
+        status = append_bisector_part(work, &branch, (uint32_t[2]){i, j}, &scratch->spans.span[k]);
     return status;
 }
 

@@ -7,8 +7,9 @@
  * needs. */
 
 enum {
-    HALVINGS_MOST = 10,   /* limit on halvings of a quarter turn of a branch */
-    CHECK_INTERVAL = 1024 /* points */
+    HALVINGS_MOST = 10,    /* limit on halvings of a quarter turn of a branch */
+    CHECK_INTERVAL = 1024, /* points */
+    PARTS_CHECKED = 65536  /* number of parts between two checks if no line begins at them */
 };
 
 struct line {
@@ -35,16 +36,35 @@ static enum gd_status check_work(const struct writer *writer)
 {
     double done = (double)writer->strands_done / writer->diagram->bisector_part_count,
            progress = writer->how->progress;
-    size_t points = 2 * sizeof *writer->point * ((size_t)writer->point_count + CHECK_INTERVAL);
-    enum gd_status status = gd_control_afford(writer->how->control, writer->how->held + points);
+    return gd_control_check(writer->how->control, progress + (1 - progress) * done);
+}
+
+/* Returns the bytes that are held, except those of the points. */
+static size_t held_by(const struct writer *writer)
+{
+    return writer->how->held + writer->diagram->bisector_part_count * sizeof *writer->visited +
+           writer->line_capacity * (2 * sizeof *writer->line + sizeof(struct gd_bisector));
+}
+
+/* Makes room for points. The budget must cover the larger array and the smaller one. */
+static enum gd_status make_room(struct writer *writer, uint64_t count)
+{
+    if (count <= writer->point_capacity) return GD_OK;
+    if (count > UINT32_MAX) return GD_TOO_LARGE;
+    uint64_t larger = gd__array_capacity(writer->point_capacity, (uint32_t)count),
+             points = larger + writer->point_capacity;
+    enum gd_status status =
+        gd_control_afford(writer->how->control, held_by(writer) + points * sizeof *writer->point);
     return status ? status
-                  : gd_control_check(writer->how->control, progress + (1 - progress) * done);
+                  : gd__array_extend(&writer->point, &writer->point_capacity, count,
+                                     sizeof *writer->point, NULL);
 }
 
 static void append_point(struct writer *writer, const struct gd_point *point)
 {
     if (!writer->status && writer->point_count % CHECK_INTERVAL == 0)
         writer->status = check_work(writer);
+    if (!writer->status) writer->status = make_room(writer, writer->point_count + UINT64_C(1));
     if (!writer->status)
         writer->status = gd__array_append(&writer->point, &writer->point_count,
                                           &writer->point_capacity, point, sizeof *point);
@@ -101,23 +121,21 @@ static void flatten_branch(struct writer *writer, struct leg *leg, const struct 
 }
 
 /* Appends the points of a part, computed without the nudge, in steps of at most a quarter turn. */
-static void flatten_bisector_part(struct writer *writer, struct leg *leg,
-                                  const struct gd__bisector_part *bisector_part, bool reversed,
-                                  const struct gd_point *stop)
+static void flatten_arc(struct writer *writer, struct leg *leg, const struct gd__arc *arc,
+                        bool reversed, const struct gd_point *stop)
 {
     struct gd__branch branch;
     struct gd__local from = leg->at, to = place_of(writer, leg->face, stop), origin = {0, 0};
     double size = leg->frame.size;
-    double start = reversed ? bisector_part->to : bisector_part->from,
-           turn = (bisector_part->to - bisector_part->from) * (reversed ? -1 : 1);
+    double start = reversed ? arc->to : arc->from,
+           turn = (arc->to - arc->from) * (reversed ? -1 : 1);
     uint32_t parts = (uint32_t)(fabs(turn) / M_PI_2) + 1;
-    if (parts > 1 && !gd__branch_between(&bisector_part->focus[0], &bisector_part->focus[1], origin,
-                                         size, &branch))
+    if (parts > 1 && !gd__branch_between(&arc->focus[0], &arc->focus[1], origin, size, &branch))
         parts = 1;
     for (uint32_t i = 1; i <= parts; i++) {
         struct gd__local next =
             i < parts ? gd__branch_place(&branch, start + turn * i / parts - branch.zero) : to;
-        flatten_branch(writer, leg, bisector_part->focus, from, next, HALVINGS_MOST);
+        flatten_branch(writer, leg, arc->focus, from, next, HALVINGS_MOST);
         if (i < parts) go_to_place(writer, leg, next);
         from = next;
     }
@@ -132,8 +150,9 @@ static void go_along(struct writer *writer, const struct gd__bisector_part *bise
                           *stop = &diagram->node[bisector_part->node[!reversed]].point;
     struct leg leg = {gd__face_frame_of(diagram->mesh, bisector_part->face), bisector_part->face,
                       place_of(writer, bisector_part->face, start)};
-    if (!bisector_part->is_straight)
-        flatten_bisector_part(writer, &leg, bisector_part, reversed, stop);
+    const struct gd__arc *arc =
+        bisector_part->arc == GD_NONE ? NULL : &diagram->arc[bisector_part->arc];
+    if (arc && !arc->focus[0].linear) flatten_arc(writer, &leg, arc, reversed, stop);
     go_to(writer, &leg, stop);
 }
 
@@ -179,15 +198,32 @@ static void write_line(struct writer *writer, uint32_t bisector_part, uint32_t n
                                           &writer->line_capacity, &line, sizeof line);
 }
 
+static bool ends_at(const struct gd__diagram *diagram, uint32_t bisector_part, int end)
+{
+    uint32_t node = diagram->bisector_part[bisector_part].node[end];
+    return bisector_part_behind(diagram, bisector_part, node) == GD_NONE;
+}
+
+/* Makes room for the points of lines whose parts are all straight. */
+static enum gd_status make_room_for_lines(struct writer *writer)
+{
+    const struct gd__diagram *diagram = writer->diagram;
+    uint32_t parts = diagram->bisector_part_count;
+    uint64_t ends = 0;
+    for (uint32_t i = 0; i < parts; i++) ends += ends_at(diagram, i, 0) + ends_at(diagram, i, 1);
+    return make_room(writer, parts + ends / 2);
+}
+
 /* Writes the open lines first; the remaining lines are closed. */
 static void write_lines(struct writer *writer)
 {
     const struct gd__diagram *diagram = writer->diagram;
-    for (uint32_t i = 0; i < diagram->bisector_part_count && !writer->status; i++)
+    for (uint32_t i = 0; i < diagram->bisector_part_count && !writer->status; i++) {
+        if (i % PARTS_CHECKED == 0) writer->status = check_work(writer);
         for (int end = 0; end < 2; end++)
-            if (!writer->visited[i] &&
-                bisector_part_behind(diagram, i, diagram->bisector_part[i].node[end]) == GD_NONE)
+            if (!writer->visited[i] && ends_at(diagram, i, end))
                 write_line(writer, i, diagram->bisector_part[i].node[end]);
+    }
     for (uint32_t i = 0; i < diagram->bisector_part_count && !writer->status; i++)
         if (!writer->visited[i]) write_line(writer, i, diagram->bisector_part[i].node[0]);
 }
@@ -201,18 +237,31 @@ static int by_members(const void *a, const void *b)
     return (x->first > y->first) - (x->first < y->first);
 }
 
+/* Sorts the lines. Those of one pair of members are already sorted. */
+static void sort_lines(struct writer *writer)
+{
+    bool is_sorted = true;
+    for (uint32_t i = 1; i < writer->line_count; i++)
+        is_sorted &= by_members(&writer->line[i - 1], &writer->line[i]) < 0;
+    if (!is_sorted) qsort(writer->line, writer->line_count, sizeof *writer->line, by_members);
+}
+
 static enum gd_status hand_over(struct writer *writer, struct gd_voronoi *out)
 {
     struct gd_bisector *bisectors = malloc(sizeof *bisectors * ((size_t)writer->line_count + 1));
-    if (!bisectors) return GD_NO_MEMORY;
-    if (writer->line_count)
-        qsort(writer->line, writer->line_count, sizeof *writer->line, by_members);
+    size_t points = (writer->point_count + (size_t)1) * sizeof *writer->point;
+    struct gd_point *exact = realloc(writer->point, points);
+    if (exact) writer->point = exact;
+    if (!bisectors || !exact) {
+        free(bisectors);
+        return GD_NO_MEMORY;
+    }
+    sort_lines(writer);
     for (uint32_t i = 0; i < writer->line_count; i++) {
         bisectors[i] = writer->line[i].bisector;
         bisectors[i].points = writer->point + writer->line[i].first;
     }
-    size_t bytes = sizeof *bisectors * ((size_t)writer->line_count + 1) +
-                   sizeof *writer->point * writer->point_capacity;
+    size_t bytes = sizeof *bisectors * ((size_t)writer->line_count + 1) + points;
     *out = (struct gd_voronoi){writer->line_count, bisectors, writer->point, bytes};
     writer->point = NULL;
     return GD_OK;
@@ -225,6 +274,7 @@ enum gd_status gd__diagram_export(struct gd__diagram *diagram, const struct gd__
         .diagram = diagram, .how = how, .least = GD_TOL_CHECK * diagram->members.farthest};
     writer.visited = calloc((size_t)diagram->bisector_part_count + 1, sizeof *writer.visited);
     if (!writer.visited) return GD_NO_MEMORY;
+    writer.status = make_room_for_lines(&writer);
     write_lines(&writer);
     enum gd_status status = writer.status;
     if (!status) status = hand_over(&writer, out);

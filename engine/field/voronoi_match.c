@@ -42,7 +42,9 @@ static struct gd__local refine_takeover(const struct work *work, const struct gd
 static void refine_end(const struct work *work, struct gd__loose_end *loose)
 {
     if (has_node(loose)) return;
-    const struct gd__focus *focus = work->diagram->bisector_part[loose->bisector_part].focus;
+    const struct gd__diagram *diagram = work->diagram;
+    const struct gd__focus *focus =
+        diagram->arc[diagram->bisector_part[loose->bisector_part].arc].focus;
     if (loose->third != GD_NONE) {
         struct gd__focus three[3] = {focus[0], focus[1],
                                      gd__focus_of(&work->scratch->sources.source[loose->third])};
@@ -208,7 +210,7 @@ static enum gd_status bridge_nodes(const struct work *work, const uint32_t membe
     struct gd__bisector_part bisector_part = {.face = work->scratch->sources.face,
                                               .member = {member[0], member[1]},
                                               .node = {from, to},
-                                              .is_straight = true};
+                                              .arc = GD_NONE};
     uint32_t number;
     enum gd_status status = gd__diagram_add_bisector_part(work->diagram, &bisector_part, &number);
     if (status) return status;

@@ -78,9 +78,13 @@ struct gd__bisector_part {
     uint32_t face;
     uint32_t member[2]; /* ascending */
     uint32_t node[2];
+    uint32_t arc; /* number of its arc; GD_NONE: a straight line between its nodes */
+};
+
+/* A piece of the branch of two sources. It is straight if both are linear. */
+struct gd__arc {
     struct gd__focus focus[2];
-    double from, to;  /* angles of the part's branch about focus[0] */
-    bool is_straight; /* a line between two segments, or a bridge over rounding or a tie */
+    double from, to; /* angles about focus[0] */
 };
 
 /* Whether the windows of an edge belong to more than one member. */
@@ -103,8 +107,9 @@ struct gd__diagram {
     struct gd__node *node;
     struct gd__owner_change *edge_switch;
     struct gd__bisector_part *bisector_part;
+    struct gd__arc *arc;
     uint32_t node_count, node_capacity, switch_count, switch_capacity, bisector_part_count,
-        bisector_part_capacity;
+        bisector_part_capacity, arc_count, arc_capacity;
 };
 
 /* The end of a part in the current face, or a node where a part must end. Such a node is an owner
@@ -185,11 +190,13 @@ GD_MUST_USE enum gd_status gd__diagram_export(struct gd__diagram *diagram,
                                               const struct gd__export_options *how,
                                               struct gd_voronoi *out);
 
-/* voronoi.c: append a node or a part, and set *out to its number. Error: GD_NO_MEMORY. */
+/* voronoi.c: append a node, a part or an arc, and set *out to its number. Error: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__diagram_add_node(struct gd__diagram *diagram,
                                                 const struct gd_point *point, uint32_t *out);
 GD_MUST_USE enum gd_status
 gd__diagram_add_bisector_part(struct gd__diagram *diagram,
                               const struct gd__bisector_part *bisector_part, uint32_t *out);
+GD_MUST_USE enum gd_status gd__diagram_add_arc(struct gd__diagram *diagram,
+                                               const struct gd__arc *arc, uint32_t *out);
 
 #endif

@@ -366,6 +366,67 @@ static void regular_polygons_and_ellipses(void **state)
     gd_mesh_release(mesh);
 }
 
+/* --- memory and checks ------------------------------------------------------------------------ */
+
+/* The trace of a sphere, where ridges cross most faces many times, needs at most so many bytes for
+ * each wedge of the field. */
+static void memory_is_bounded(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = test_sample("icosphere", (const double[SAMPLE_PARAMETERS]){4, 1}, NULL);
+    struct gd_field *field = test_field_from(mesh, test_point_near(mesh, 0.1, 0.23, 1));
+    const struct gd_cut_locus_options options = {1e-3, 0};
+    size_t wedges = gd_field_statistics(field)->wedges;
+    const struct gd_control wide = {.budget_bytes = ((size_t)1 << 20) + 300 * wedges},
+                            narrow = {.budget_bytes = 50 * wedges};
+    struct gd_voronoi whole = locus_of(field, 0), locus;
+    check_ok(gd_cut_locus_trace(field, NULL, &options, &wide, &locus), NULL);
+    assert_int_equal(locus.bisector_count, whole.bisector_count);
+    gd_voronoi_free(&locus);
+    assert_int_equal(gd_cut_locus_trace(field, NULL, &options, &narrow, &locus), GD_BUDGET);
+    gd_voronoi_free(&whole);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+}
+
+/* Counts the callbacks behind the last face. */
+struct late {
+    double from;
+    uint32_t calls, most; /* cancels at callback number `most`; 0 never cancels */
+};
+
+static bool count_late(void *user, double fraction)
+{
+    struct late *late = user;
+    late->calls += fraction >= late->from;
+    return !late->most || late->calls < late->most;
+}
+
+/* The control is checked while ends are matched and branches are dropped. */
+static void checks_behind_the_last_face(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = test_sample("icosphere", (const double[SAMPLE_PARAMETERS]){4, 1}, NULL);
+    struct gd_field *field = test_field_from(mesh, test_point_near(mesh, 0.1, 0.23, 1));
+    const struct gd_cut_locus_options none = {1e-3, M_PI};
+    double faces = gd_mesh_summary(mesh)->faces;
+    struct late late = {.from = 0.9 * (faces - 1) / faces};
+    const struct gd_control control = {.progress = count_late, .user = &late};
+    struct gd_voronoi locus;
+    check_ok(gd_cut_locus_trace(field, NULL, &none, &control, &locus), NULL);
+    assert_int_equal(locus.bisector_count, 0);
+    gd_voronoi_free(&locus);
+    uint32_t calls = late.calls;
+    assert_true(calls > 20);
+    for (uint32_t most = 1; most < calls; most += calls / 3) {
+        late.calls = 0;
+        late.most = most;
+        assert_int_equal(gd_cut_locus_trace(field, NULL, &none, &control, &locus), GD_CANCELLED);
+    }
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+}
+
 /* --- what is refused -------------------------------------------------------------------------- */
 
 static void refusals(void **state)
@@ -405,6 +466,8 @@ int main(void)
         cmocka_unit_test(rectangle),
         cmocka_unit_test(other_polygons),
         cmocka_unit_test(regular_polygons_and_ellipses),
+        cmocka_unit_test(memory_is_bounded),
+        cmocka_unit_test(checks_behind_the_last_face),
         cmocka_unit_test(refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,103 @@
+#include <stdlib.h>
+
+#include "field/ridges.h"
+
+/* Branches of the graph of ridges. A branch is a chain of parts between two nodes at which one part
+ * ends, or three or more meet. A branch is dropped if its greatest angle is below the least one. */
+
+/* Scratch: an entry for each part. */
+struct work {
+    uint32_t *parent; /* a forest of the parts of each branch */
+    bool *keep;
+};
+
+static void work_free(struct work *work)
+{
+    free(work->parent);
+    free(work->keep);
+}
+
+static enum gd_status work_allocate(const struct gd__ridges *ridges, struct work *out)
+{
+    size_t parts = ridges->diagram.bisector_part_count + (size_t)1;
+    enum gd_status status = gd_control_afford(
+        ridges->pace.control,
+        gd__ridges_held(ridges) + parts * (sizeof *out->parent + sizeof *out->keep));
+    if (status) return status;
+    struct work work = {malloc(parts * sizeof *work.parent), malloc(parts * sizeof *work.keep)};
+    if (work.parent && work.keep) {
+        *out = work;
+        return GD_OK;
+    }
+    work_free(&work);
+    return GD_NO_MEMORY;
+}
+
+/* --- branches --------------------------------------------------------------------------------- */
+
+static uint32_t root_of(uint32_t *parent, uint32_t i)
+{
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+
+/* Sets `keep` for the parts of the branches that have a sufficient angle. */
+static void mark_branches(struct gd__ridges *ridges, const struct work *work)
+{
+    const struct gd__diagram *diagram = &ridges->diagram;
+    struct gd__pace *pace = &ridges->pace;
+    uint32_t parts = diagram->bisector_part_count, *parent = work->parent;
+    GD__PACED (pace, i, parts) parent[i] = i;
+    GD__PACED (pace, i, diagram->node_count) {
+        const struct gd__node *node = &diagram->node[i];
+        if (node->is_end || node->bisector_part[1] == GD_NONE) continue;
+        parent[root_of(parent, node->bisector_part[0])] = root_of(parent, node->bisector_part[1]);
+    }
+    GD__PACED (pace, i, parts) work->keep[i] = false;
+    GD__PACED (pace, i, parts) {
+        if (ridges->pair[i].angle >= ridges->min_angle) work->keep[root_of(parent, i)] = true;
+    }
+    GD__PACED (pace, i, parts) {
+        work->keep[i] =
+            work->keep[root_of(parent, i)] && !gd__ridge_is_point(&diagram->bisector_part[i]);
+    }
+}
+
+/* --- removal ---------------------------------------------------------------------------------- */
+
+/* Removes the parts for which `keep` is false, and renumbers the others. */
+static void keep_parts(struct gd__ridges *ridges, const bool *keep)
+{
+    struct gd__diagram *diagram = &ridges->diagram;
+    uint32_t kept = 0;
+    GD__PACED (&ridges->pace, i, diagram->bisector_part_count) {
+        if (keep[i]) diagram->bisector_part[kept++] = diagram->bisector_part[i];
+    }
+    diagram->bisector_part_count = kept;
+}
+
+/* Makes a node an end of lines if its two parts have different members. */
+static void end_at_members(struct gd__ridges *ridges)
+{
+    struct gd__diagram *diagram = &ridges->diagram;
+    GD__PACED (&ridges->pace, i, diagram->node_count) {
+        struct gd__node *node = &diagram->node[i];
+        if (node->bisector_part[1] == GD_NONE) continue;
+        const uint32_t *a = diagram->bisector_part[node->bisector_part[0]].member,
+                       *b = diagram->bisector_part[node->bisector_part[1]].member;
+        node->is_end |= a[0] != b[0] || a[1] != b[1];
+    }
+}
+
+enum gd_status gd__ridges_keep_branches(struct gd__ridges *ridges)
+{
+    struct work work;
+    enum gd_status status = work_allocate(ridges, &work);
+    if (status) return status;
+    mark_branches(ridges, &work);
+    keep_parts(ridges, work.keep);
+    gd__ridges_count(ridges);
+    end_at_members(ridges);
+    work_free(&work);
+    return ridges->pace.status;
+}
