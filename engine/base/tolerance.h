@@ -177,6 +177,9 @@
  * angle, in radians. Rounding moves a ridge of this angle by about 1e-6 of its distance. */
 #define GD_TOL_RIDGE 1e-6
 
+/* Loose ends of ridges are joined over at most this part of the face. */
+#define GD_TOL_RIDGE_GAP 1e-2
+
 /* An end of a ridge this near to an edge, a vertex or another end lies there. Relative to the
  * face. */
 #define GD_TOL_SNAP 1e-10

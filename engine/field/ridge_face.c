@@ -29,7 +29,7 @@ struct pair {
     uint32_t number[2];
     struct gd__focus focus[2];
     struct gd__branch branch;
-    double beside; /* rounding of the branch, across its direction */
+    double beside; /* rounding of the branch, across its direction, in the middle of the face */
 };
 
 /* --- related sources -------------------------------------------------------------------------- */
@@ -79,6 +79,14 @@ static double angle_at(const struct gd__focus focus[2], struct gd__local at)
 {
     struct gd__local u = direction_of(&focus[0], at), v = direction_of(&focus[1], at);
     return atan2(fabs(gd__local_cross(u, v)), gd__local_dot(u, v));
+}
+
+/* Returns the rounding of a branch at a place, across its direction. */
+static double beside_at(const struct work *work, const struct gd__focus focus[2],
+                        struct gd__local at)
+{
+    double angle = fmax(angle_at(focus, at), GD_TOL_RIDGE);
+    return BESIDE_SLACKS * work->slack / (2 * sin(0.5 * angle));
 }
 
 /* --- ends of a part --------------------------------------------------------------------------- */
@@ -148,7 +156,7 @@ static struct gd__local move_to_side(const struct gd__face_frame *frame,
  * GD__SPAN_OPEN at a border of the face or of a view. A related third source is not nearer beyond
  * the end: there, the end lies at the border of a view. */
 static struct gd__local refine_end(const struct work *work, const struct pair *pair, uint32_t third,
-                                   struct gd__local at)
+                                   struct gd__local at, double beside)
 {
     const struct gd__face_frame *frame = &work->sources->frame;
     double reach = GD_TOL_NODE * frame->size;
@@ -157,10 +165,9 @@ static struct gd__local refine_end(const struct work *work, const struct pair *p
         struct gd__focus three[3] = {pair->focus[0], pair->focus[1],
                                      gd__focus_of(source_at(work, third))};
         struct gd__local place = gd__between_three(three, at, reach);
-        return gd__face_frame_has(frame, place, pair->beside) ? place : at;
+        return gd__face_frame_has(frame, place, beside) ? place : at;
     }
-    return move_to_side(frame, pair->focus, gd__between_two(pair->focus, at, reach),
-                        2 * pair->beside);
+    return move_to_side(frame, pair->focus, gd__between_two(pair->focus, at, reach), 2 * beside);
 }
 
 /* Locates an end. */
@@ -256,8 +263,9 @@ static enum gd_status add_part(const struct work *work, const struct pair *pair,
                                        .node = {GD_NONE, GD_NONE}},
                               .pair = {angle, {pair->number[0], pair->number[1]}}};
     for (int k = 0; k < 2; k++) {
-        at[k] = refine_end(work, pair, k ? span->to_by : span->from_by, at[k]);
-        ridge.end[k] = locate_end(work, at[k], pair->beside);
+        double beside = fmax(pair->beside, beside_at(work, pair->focus, at[k]));
+        at[k] = refine_end(work, pair, k ? span->to_by : span->from_by, at[k], beside);
+        ridge.end[k] = locate_end(work, at[k], beside);
     }
     int side = side_along(work, ridge.end, middle);
     if (side == 3)
@@ -412,8 +420,7 @@ static enum gd_status add_between(const struct work *work, uint32_t i, uint32_t 
                             &pair.branch) ||
         gd__branch_width(&pair.branch) <= NARROW_SLACKS * work->slack)
         return GD_OK;
-    double angle = fmax(angle_at(pair.focus, work->middle), GD_TOL_RIDGE);
-    pair.beside = BESIDE_SLACKS * work->slack / (2 * sin(0.5 * angle));
+    pair.beside = beside_at(work, pair.focus, work->middle);
     return add_parts(work, &pair);
 }
 

@@ -4,7 +4,9 @@
 
 /* Gaps in the graph of ridges. If a ridge meets the border of a view or an edge at a small angle,
  * its end moves by much more than the rounding error. Such a loose end is joined to the nearest
- * node within GD_TOL_NODE. */
+ * node within GD_TOL_NODE, or to a loose end within the rounding of its ridge. */
+
+#define GAP_SLACKS 16 /* an end is off by at most this many roundings, divided by the angle */
 
 /* The place of a node, for lists that are sorted by element. */
 struct place {
@@ -147,6 +149,7 @@ struct loose {
     const struct places *places; /* the nodes near loose ends */
     uint32_t node, part, end;
     struct gd_point point;
+    double sure; /* a node this near is at the same place */
 };
 
 /* Searches the nodes on one element of a face. If one is nearer than `best`, replaces `best` by
@@ -166,7 +169,8 @@ static void look_on(const struct loose *loose, uint32_t face, enum gd_point_kind
             continue;
         double away =
             gd__local_length(gd__local_minus(place_in(diagram->mesh, face, &place->point), at));
-        if (away < best->apart) *best = (struct neighbour){place->node, face, away};
+        bool is_match = away <= loose->sure || gd__ridge_is_loose(node);
+        if (is_match && away < best->apart) *best = (struct neighbour){place->node, face, away};
     }
 }
 
@@ -189,6 +193,25 @@ static double size_at(const struct gd__ridges *ridges, uint32_t part)
     uint32_t face = ridges->diagram.bisector_part[part].face;
     const struct gd_side *side = &mesh->side[mesh->face_side[face][0]];
     return fmax(side->length, fmax(side->left_length, side->right_length));
+}
+
+/* Returns the distance at which nodes are at one place. Along edges it is small: a copy of a ridge
+ * (drop_copies) may end close to another node. */
+static double sure_reach(const struct gd__ridges *ridges, uint32_t part)
+{
+    return (part < ridges->first_along ? GD_TOL_NODE : 10 * GD_TOL_CHECK) * size_at(ridges, part);
+}
+
+/* Returns a bound of the rounding of a part's ends, which grows if the angle falls. Two loose ends
+ * this near are ends of one ridge. */
+static double rounding_at(const struct gd__ridges *ridges, uint32_t part)
+{
+    double size = size_at(ridges, part);
+    if (ridges->pair[part].source[0] == GD_NONE) return 0;
+    double most =
+               gd__face_farthest(ridges->diagram.field, ridges->diagram.bisector_part[part].face),
+           rounding = GAP_SLACKS * gd__envelope_slack(most, size) / ridges->pair[part].angle;
+    return fmin(rounding, GD_TOL_RIDGE_GAP * size);
 }
 
 /* --- joining ---------------------------------------------------------------------------------- */
@@ -271,13 +294,15 @@ static enum gd_status close_gap(struct gd__ridges *ridges, const struct places *
     struct gd__diagram *diagram = &ridges->diagram;
     const struct gd_mesh *mesh = diagram->mesh;
     uint32_t node = place->node, part = diagram->node[node].bisector_part[0];
-    const struct loose loose = {
-        ridges, places, node, part, diagram->bisector_part[part].node[1] == node, place->point};
-    /* along edges the reach is small: a copy of a ridge (drop_copies) may end close to another
-     * node */
-    double reach =
-        (part < ridges->first_along ? GD_TOL_NODE : 10 * GD_TOL_CHECK) * size_at(ridges, part);
-    struct neighbour best = {.node = GD_NONE, .apart = reach};
+    const struct loose loose = {ridges,
+                                places,
+                                node,
+                                part,
+                                diagram->bisector_part[part].node[1] == node,
+                                place->point,
+                                sure_reach(ridges, part)};
+    double most = fmax(loose.sure, rounding_at(ridges, part));
+    struct neighbour best = {.node = GD_NONE, .apart = most};
     const struct gd__seed *seed = seed_at(ridges, part, &loose.point);
     if (seed) {
         diagram->node[node].point = seed->point;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "field/arrivals.h"
+#include "mesh/topology.h"
 #include "tests/samples/samples.h"
 #include "tests/support/field.h"
 #include "tests/support/test.h"
@@ -107,6 +108,44 @@ static void trees_on_spheres(void **state)
         }
         gd_mesh_release(mesh);
     }
+}
+
+static bool is_on_boundary(const struct gd_mesh *mesh, const struct gd_point *point)
+{
+    const uint32_t *face = &mesh->side_face[2 * point->element];
+    return point->kind == GD_POINT_EDGE && (face[0] == GD_NONE || face[1] == GD_NONE);
+}
+
+/* Counts the ends at which no other line ends, except vertices and places on the boundary. */
+static uint32_t loose_ends(const struct gd_mesh *mesh, const struct gd_voronoi *locus)
+{
+    uint32_t ends = 2 * locus->bisector_count, found = 0;
+    for (uint32_t k = 0; k < ends; k++) {
+        const struct gd_bisector *line = &locus->bisectors[k / 2];
+        const struct gd_point *point = &line->points[k % 2 ? line->point_count - 1 : 0];
+        if (line->closed || point->kind == GD_POINT_VERTEX || is_on_boundary(mesh, point)) continue;
+        bool is_loose = true;
+        for (uint32_t i = 0; i < ends && is_loose; i++)
+            is_loose = i == k || locus->bisectors[i / 2].closed ||
+                       gd_vec3_distance(end_of(mesh, locus, i), end_of(mesh, locus, k)) > promise;
+        found += is_loose;
+    }
+    return found;
+}
+
+/* On this torus, ridges meet faces at angles that differ much from the angles in the middle of the
+ * faces, so the rounding of their ends differs too. */
+static void no_loose_ends(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh =
+        test_sample("torus", (const double[SAMPLE_PARAMETERS]){96, 48, 1, 0.4}, NULL);
+    struct gd_field *field = test_field_from(mesh, test_point_near(mesh, 0.11, 0.27, 0.9));
+    struct gd_voronoi locus = locus_of(field, 0);
+    assert_int_equal(loose_ends(mesh, &locus), 0);
+    gd_voronoi_free(&locus);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
 }
 
 /* Two paths to each point have equal lengths, on any surface. */
@@ -461,6 +500,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(middle_of_a_cubes_face),
         cmocka_unit_test(trees_on_spheres),
+        cmocka_unit_test(no_loose_ends),
         cmocka_unit_test(points_have_two_paths),
         cmocka_unit_test(angles_thin_out),
         cmocka_unit_test(rectangle),
