@@ -39,8 +39,8 @@ GD_MUST_USE static inline enum gd_status gd__array_extend(void *array, uint32_t 
     return GD_OK;
 }
 
-/* Appends a copy of `item`, which must not point into the array. Makes room and fails as
- * gd__array_extend does. */
+/* Appends a copy of `item`, which must not point into the array. Extends the array if necessary.
+ * Errors: those of gd__array_extend. */
 GD_MUST_USE static inline enum gd_status
 gd__array_append(void *array, uint32_t *count, uint32_t *capacity, const void *item, size_t size)
 {

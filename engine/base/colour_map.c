@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-/* Chroma and lightness in the Oklab space. They define the longest helix of constant chroma that
- * lies within sRGB. */
+/* Chroma, and the ranges of lightness and hue, in the Oklab space. They define the longest helix of
+ * constant chroma whose colours are all in sRGB. */
 #define CHROMA          0.117
 #define LIGHTNESS_FIRST 0.45
 #define LIGHTNESS_LAST  0.92

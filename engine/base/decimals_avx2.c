@@ -5,18 +5,21 @@
 
 /* The algorithm is Dragonbox (J. Jeon, "Dragonbox: a new floating-point binary-to-decimal
  * conversion algorithm", 2022), with fractions instead of remainders. All reals in an interval
- * around a double round to it. In units of 10^k (decimals.h) the interval is 0.1 to 1 long. If the
- * fraction of its upper end is less than its length, the whole part of the upper end is the
+ * around a double round to it. In units of 10^k (decimals.h) the interval has a length of 0.1 to 1.
+ * If the fraction of its upper end is less than its length, the whole part of the upper end is the
  * shortest decimal. Otherwise the shortest decimal is the multiple of 1/10 nearest to the
- * interval's middle. Fractions have 32 bits and are at most 5 units too small. If that precision
- * does not decide, the kernel leaves the number out. It leaves out about one number in thirty
- * million, and all ties. The interval of a power of two extends only half as far below it. That
- * changes no result for the 75 exponents of the scales (test_decimals.c tests all). */
+ * interval's middle. Fractions have 32 bits and are at most 5 units too small. If this precision is
+ * not enough for a comparison, the kernel does not convert the number. This is the case for all
+ * ties, and for about one other number in thirty million. Below a power of two, the interval
+ * extends only half as far as assumed here. That changes no result for the 75 exponents of the
+ * scales (test_decimals.c tests all). */
 
 #define FRACTION_BITS 52
 #define HALF          UINT64_C(0xffffffff) /* the lower half of a lane */
-#define MARGIN        8                    /* margin of comparisons of fractions, up and down */
-#define TENTHS_MARGIN 64                   /* margin of tenths, whose error is ten times as large */
+/* fractions that differ by at most this much are not compared */
+#define MARGIN 8
+/* the same for tenths, whose error is ten times as large */
+#define TENTHS_MARGIN 64
 
 /* Four integers. In a mask, each lane has all bits set or none. */
 typedef uint64_t lanes __attribute__((vector_size(32)));
@@ -39,13 +42,14 @@ static inline lanes times_ten(lanes a)
     return (a << 3) + (a << 1);
 }
 
-/* Compares numbers below 2^63. */
+/* Returns a mask of the lanes where a < b. Both are below 2^63. */
 static inline lanes below(lanes a, lanes b)
 {
     return (lanes)((signed_lanes)a < (signed_lanes)b);
 }
 
-/* Returns true if the lower half, as a number modulo 2^32, is within a margin of 0. */
+/* Returns a mask of the lanes whose lower half, as a number modulo 2^32, differs from 0 by at most
+ * `margin`. */
 static inline lanes is_near_0(lanes a, uint64_t margin)
 {
     return below((a + all(margin)) & all(HALF), all(2 * margin + 1));
@@ -63,7 +67,7 @@ struct upper {
     lanes whole, fraction; /* `whole` has 54 bits, `fraction` 32 */
 };
 
-/* Multiplies x < 2^62 by a scale. The lowest bits below the fraction are incomplete. */
+/* Multiplies x < 2^62 by a scale. The fraction may be a few units too small. */
 static inline struct upper scale_up(lanes x, lanes high, lanes low)
 {
     lanes x1 = x >> 32, high1 = high >> 32;
@@ -72,7 +76,7 @@ static inline struct upper scale_up(lanes x, lanes high, lanes low)
     return (struct upper){times(x1, high1) + (middle >> 32), middle & all(HALF)};
 }
 
-/* The digits, 16 or 17, and the lanes that are left out. */
+/* The 16 or 17 digits as an integer, and the mask of the lanes that are not converted. */
 struct found {
     lanes digits, is_left_out;
 };

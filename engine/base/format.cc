@@ -24,12 +24,13 @@ namespace
  * the last digit). */
 constexpr int POINTS = 23;
 
-/* The layout of a number's text. All digits are written from index `digits` on. The digits from
- * index `tail` of gd__decimals.digits on are then written once more, behind the point. */
+/* The layout of a number's text. First, all digits are written to the text from index `digits` on.
+ * Then the point is written at index `point`, and the digits after the point are written behind it:
+ * those from index `tail` of gd__decimals.digits on. */
 struct layout {
     unsigned char digits, point, tail;
-    /* False if the number has no point between its digits. The code then writes the point to
-     * scratch space. */
+    /* False if the number has no point between its digits. The point is then written outside the
+     * number's text. */
     bool is_pointed_within;
 };
 
@@ -46,8 +47,8 @@ constexpr std::array<layout, POINTS> make_layouts()
 
 constexpr std::array<layout, POINTS> layouts = make_layouts();
 
-/* Writes a converted number; may write up to SLACK bytes past its end. Branchless, because the
- * branches are unpredictable. */
+/* Writes a converted number and returns the end of its text. May write up to SLACK bytes past this
+ * end. Branchless, because the branches would be unpredictable. */
 inline char *put(char *at, const gd__decimals &decimals, std::size_t i)
 {
     const std::uint64_t head = decimals.head[i];
@@ -86,7 +87,7 @@ char *put_scientific(char *at, gd__decimals &decimal, int point)
     return std::to_chars(at, at + 4, point - 1).ptr;
 }
 
-/* Writes a number that the kernel left out. */
+/* Writes a number that the kernel did not convert. */
 char *put_left_out(char *at, double value)
 {
     if (std::isfinite(value)) return gd_number_format(at, value);
@@ -100,7 +101,7 @@ struct run {
     std::uint32_t left_out;
 };
 
-/* Writes a number of the run and a comma. */
+/* Writes number i of the run and a comma. */
 inline char *put_item(char *at, const run &run, const double *values, std::size_t i)
 {
     at = __builtin_expect(run.left_out >> i & 1, 0) ? put_left_out(at, values[i])
@@ -109,8 +110,8 @@ inline char *put_item(char *at, const run &run, const double *values, std::size_
     return at;
 }
 
-/* Writes numbers with a comma behind each. With IN_TRIPLES it writes arrays of three numbers
- * instead. */
+/* Writes a comma after each number. If IN_TRIPLES, writes arrays of three numbers, with a comma
+ * after each array. */
 template <bool IN_TRIPLES> char *put_all(char *at, const double *values, std::size_t count)
 {
     static_assert(GD__DECIMALS % 3 == 0, "a triple is in one run");

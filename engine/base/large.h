@@ -16,7 +16,7 @@ void *gd__large_array(size_t count, size_t size);
  * write. */
 void *gd__large_zeroed(size_t count, size_t size);
 
-/* Requests huge pages for memory that is still untouched. */
+/* Requests huge pages for memory that no code has accessed yet. */
 void gd__large_advise(void *array, size_t bytes);
 
 #endif

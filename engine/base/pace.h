@@ -1,13 +1,13 @@
-/* Pace: checks a control once in many steps. Loops use it if their steps are too short for a check
- * in each.
+/* Pace: checks a control once in many steps. It is for loops whose steps are so short that a check
+ * in each step would be too slow.
  *
  *     struct gd__pace pace = {.control = control, .fraction = 0.5};
  *     for (...; gd__pace(&pace, 1); ...) step();
  *     GD__PACED (&pace, i, count) step_of_element(i);
  *     return pace.status;
  *
- * After a pace has stopped, its loops execute no further step. So the status must be checked only
- * before the result of a loop is read. */
+ * After a pace has stopped, loops that use it end at once. So the caller may run several loops, and
+ * must check the status only before it reads a loop's result. */
 #ifndef GD_BASE_PACE_H
 #define GD_BASE_PACE_H
 
@@ -20,7 +20,7 @@
 #define GD__PACE_STEPS 8192 /* steps between two checks; a step takes about 50 ns */
 
 struct gd__pace {
-    const struct gd_control *control; /* NULL never stops */
+    const struct gd_control *control; /* NULL means that the pace never stops */
     double fraction;                  /* progress to report to the control */
     size_t held;                      /* bytes to check against the budget */
     uint64_t count;                   /* steps since the last check */
@@ -38,24 +38,24 @@ static inline bool gd__pace(struct gd__pace *pace, uint64_t steps)
     return !pace->status;
 }
 
-/* Like gd__pace. Returns the status. */
+/* Like gd__pace, but returns the status. */
 GD_MUST_USE static inline enum gd_status gd__pace_step(struct gd__pace *pace, uint64_t steps)
 {
     gd__pace(pace, steps);
     return pace->status;
 }
 
-/* Returns the end of the slice of [0, count) that begins at `done`. Returns `done` if the loop must
- * end. */
+/* Returns the end of the next slice of [0, count), which begins at `done`. The control is checked
+ * between slices. Returns `done` if the loop must end. */
 static inline uint32_t gd__pace_slice(struct gd__pace *pace, uint32_t done, uint32_t count)
 {
     uint32_t rest = count - done, slice = rest < GD__PACE_STEPS ? rest : GD__PACE_STEPS;
     return gd__pace(pace, slice) ? done + slice : done;
 }
 
-/* Runs its body for each i in [0, count); the body must not change `count`. The inner loop is
- * plain, so counting costs nothing in it. `break` ends the slice only. A body that calls gd__pace
- * itself still runs to the end of its slice. */
+/* Runs its body for each i in [0, count); the body must not change `count`. The inner loop is a
+ * plain loop over one slice, so it counts no steps. `break` in the body ends only the current
+ * slice. If the body itself calls gd__pace and the pace stops, the slice is still completed. */
 #define GD__PACED(pace, i, count)                                                                  \
     for (uint32_t i = 0, i##_slice; (i##_slice = gd__pace_slice(pace, i, count)) != i;)            \
         for (; i < i##_slice; i++)

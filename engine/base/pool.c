@@ -16,7 +16,7 @@ struct gd__pool_chunk {
 
 #define CHUNK_HEADER 64 /* a size that keeps blocks aligned to cache lines */
 
-/* Makes the chunk the source of new blocks. */
+/* Takes the next blocks from this chunk. */
 static void pool_adopt(struct gd__pool *pool, struct gd__pool_chunk *chunk)
 {
     pool->chunks = chunk;
@@ -80,8 +80,8 @@ static bool is_small_beside_budget(const struct gd__budget *budget, size_t bytes
     return !limit || bytes <= limit / BUDGET_PART;
 }
 
-/* Adds a chunk as large as all chunks before it together, within limits. The first chunk is as
- * large as all chunks of the last use together. */
+/* Adds a chunk as large as all existing chunks together, within limits. The first chunk is as large
+ * as all chunks before the last restart together. */
 static enum gd_status pool_grow(struct gd__pool *pool, size_t need)
 {
     bool again = !pool->bytes && is_small_beside_budget(pool->budget, pool->before);

@@ -22,17 +22,18 @@ struct gd__pool {
     char *cursor, *end; /* the unused rest of the newest chunk */
     void *free_blocks[GD__POOL_CLASSES];
     size_t bytes;          /* bytes of all chunks */
-    size_t before;         /* `bytes` at the last restart */
+    size_t before;         /* value of `bytes` before the last restart */
     enum gd_status status; /* reason of the last failed request */
 };
 
 void gd__pool_init(struct gd__pool *pool, size_t item_size, struct gd__budget *budget);
 void gd__pool_destroy(struct gd__pool *pool);
 
-/* Releases all blocks, as if the pool were new. Keeps the newest chunk and charges the budget for
- * it, if it is the only chunk or of the largest size. Otherwise the next chunk is as large as all
- * released chunks together. So the third repetition of the same work uses one chunk without page
- * faults. The pool may be all zero. */
+/* Releases all blocks, as if the pool were new. Keeps the newest chunk, and charges the budget for
+ * it, if it is the only chunk or has the largest size. Otherwise frees all chunks; the next chunk
+ * is then as large as all freed chunks together. So if the same work is repeated, the second run
+ * allocates one chunk, and later runs use this chunk without page faults. The pool may be all
+ * zero. */
 void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__budget *budget);
 
 /* Returns the number of items of a block: 1 to 16 for the first 16 classes, powers of two for the
@@ -42,13 +43,13 @@ static inline uint32_t gd__pool_items(uint32_t size_class)
     return size_class < 16 ? size_class + 1 : 16u << (size_class - 15);
 }
 
-/* Returns the smallest class whose blocks hold `count` >= 1 items. */
+/* Returns the smallest class whose blocks hold at least `count` items. `count` >= 1. */
 static inline uint32_t gd__pool_class(uint32_t count)
 {
     return count <= 16 ? count - 1 : 47 - (uint32_t)__builtin_clz((count - 1) >> 4);
 }
 
-/* Works as gd__pool_take, but takes the block from a new chunk. */
+/* Like gd__pool_take, but takes the block from a new chunk. */
 void *gd__pool_take_new(struct gd__pool *pool, uint32_t size_class);
 
 /* Takes a block of gd__pool_items(size_class) items, uninitialised. Returns NULL on an error, which

@@ -11,7 +11,8 @@ static inline void gd__references_add(const atomic_uint *references)
     atomic_fetch_add_explicit((atomic_uint *)references, 1, memory_order_relaxed);
 }
 
-/* Drops a reference. Returns true if it was the last one: the caller then frees the object. */
+/* Removes a reference. Returns true if it was the last one; the caller must then free the
+ * object. */
 static inline bool gd__references_drop(const atomic_uint *references)
 {
     return atomic_fetch_sub_explicit((atomic_uint *)references, 1, memory_order_acq_rel) == 1;

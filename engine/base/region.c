@@ -8,10 +8,10 @@
 #include "base/large.h"
 
 #define PAGE   ((size_t)4096)
-#define STEP   ((size_t)256 << 10) /* least increment charged to the budget */
+#define STEP   ((size_t)256 << 10) /* smallest number of bytes charged to the budget at a time */
 #define LEAST  ((size_t)4 << 20)
 #define SPARES 8
-#define AHEAD  2 /* spares that are prepared */
+#define AHEAD  2 /* gd__region_prepare prepares at most this many spares */
 
 static size_t region_up(size_t size, size_t unit)
 {
@@ -24,7 +24,7 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static struct gd__kept spare[SPARES];
 static uint32_t spare_count;
 static size_t spare_bytes, spare_limit;
-static struct gd__kept latest; /* the sizes of the last closed region; without its base */
+static struct gd__kept latest; /* the sizes of the last closed region; `base` is NULL */
 
 static void unmap(const struct gd__kept *kept)
 {
@@ -74,7 +74,7 @@ void gd__region_release(const struct gd__kept *kept)
     pthread_mutex_unlock(&lock);
 }
 
-/* Removes and returns the newest spare with at least that much address space. */
+/* Removes and returns the newest spare with at least `reserved` bytes of address space. */
 static struct gd__kept take_spare(size_t reserved)
 {
     struct gd__kept found = {0};
@@ -92,9 +92,9 @@ static struct gd__kept take_spare(size_t reserved)
 
 /* --- regions ---------------------------------------------------------------------------------- */
 
-/* Reserves address space of LEAST or more, aligned to a huge page. Only touched pages take memory.
- * The first huge page and the rest stay two mappings, because Linux before 6.17 cannot move a range
- * that spans several. */
+/* Reserves address space of at least LEAST bytes, aligned to a huge page. Only pages that are
+ * accessed take memory. The first huge page and the rest are two mappings. Each must remain one
+ * mapping, because Linux before 6.17 cannot move a range of several mappings. */
 static char *region_reserve(size_t size)
 {
     char *pages = mmap(NULL, size + GD__HUGE_PAGE, PROT_READ | PROT_WRITE,
@@ -124,9 +124,9 @@ enum gd_status gd__region_open(struct gd__region *region, size_t most, struct gd
     return GD_OK;
 }
 
-/* Moves the region to twice the address space or more. The second mapping moves with its pages and
- * grows, so it stays one mapping; the first one is copied. If the move fails, the kernel may have
- * unmapped the new range, so it is not unmapped again. */
+/* Moves the region to a range of address space that is at least twice as large. The second mapping
+ * moves with its pages and grows, so it stays one mapping; the first one is copied. If the move
+ * fails, the kernel may have unmapped the new range, so it is not unmapped again. */
 static enum gd_status extend(struct gd__region *region, size_t need)
 {
     size_t size = region->reserved;
@@ -161,7 +161,7 @@ enum gd_status gd__region_reserve(struct gd__region *region, size_t bytes)
     return GD_OK;
 }
 
-/* Returns the pages behind `used` to the system, also within the last huge page. */
+/* Returns the pages after the first `used` bytes to the system, even if this splits a huge page. */
 static void region_trim(const struct gd__region *region, size_t used)
 {
     size_t touched = region_up(region->touched > used ? region->touched : used, GD__HUGE_PAGE);
@@ -193,7 +193,7 @@ void gd__region_destroy(struct gd__region *region)
 
 /* --- memory that is touched ahead ------------------------------------------------------------- */
 
-/* Returns the sizes of the spare to be prepared. With 0 bytes there is none. */
+/* Returns the sizes of the spare to be prepared, or zeros if no spare must be prepared. */
 static struct gd__kept spare_wanted(void)
 {
     struct gd__kept wanted = {0};

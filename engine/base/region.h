@@ -2,8 +2,8 @@
  * the region returns its unused memory.
  *
  * A region reserves address space for `most` bytes and extends it if necessary. The system provides
- * memory at the first touch, on huge pages if possible. So growing costs page faults only. Memory
- * of released regions is reused. One owner, one thread. */
+ * memory when it is first accessed, on huge pages if possible. So growing costs only page faults.
+ * Memory of released regions is reused. One owner, one thread. */
 #ifndef GD_BASE_REGION_H
 #define GD_BASE_REGION_H
 
@@ -18,14 +18,15 @@ struct gd__region {
     char *base;     /* 64-byte aligned; NULL if not open */
     size_t used;    /* bytes in use; the owner sets it */
     size_t granted; /* bytes charged to the budget */
-    /* Bytes that this or an earlier owner has used. They are backed by memory. */
+    /* Bytes that this or an earlier owner has used. The system has already provided memory for
+       them. */
     size_t touched;
     struct gd__budget *budget; /* may be NULL */
     size_t reserved;
 };
 
-/* Opens a region. The struct is all zero, or a region that was open before, whose memory is reused.
- * GD_NO_MEMORY: not even a few megabytes of address space are available. */
+/* Opens a region. The struct is all zero, or a region that was open before; the memory of that
+ * region is reused. GD_NO_MEMORY: not even a few megabytes of address space are available. */
 GD_MUST_USE enum gd_status gd__region_open(struct gd__region *region, size_t most,
                                            struct gd__budget *budget);
 
@@ -52,9 +53,10 @@ void gd__region_destroy(struct gd__region *region);
 void gd__region_keep_spare(size_t bytes);
 size_t gd__region_spare(void);
 
-/* Touches the memory of a later region ahead: as much as the last closed region used. Keeps it as
- * spare memory. Returns false, and does nothing, if no region was closed yet, the limit would be
- * exceeded, or there is enough spare memory for two such regions. Thread-safe. */
+/* Prepares memory for a later region, as much as the last closed region used: accesses it, so that
+ * the system provides it now. Keeps it as spare memory. Returns false, and does nothing, if no
+ * region was closed yet, the limit would be exceeded, or there is enough spare memory for two such
+ * regions. Thread-safe. */
 bool gd__region_prepare(void);
 
 #endif

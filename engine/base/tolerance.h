@@ -10,9 +10,9 @@
  * assembly has its own scale. */
 #define GD_TOL_BETTER 1e-14
 
-/* If two windows tie at an end of their overlap, the tie decides the whole overlap only if the
- * overlap is narrower than 1 / FACTOR of the distance to the sources. Inside a wider overlap one of
- * the windows may win. */
+/* If two windows tie at an end of their overlap, they count as equal on the whole overlap only if
+ * the overlap is narrower than the distance to the sources divided by GD_TOL_TIE_FACTOR. Inside a
+ * wider overlap one of the windows may give a shorter distance. */
 #define GD_TOL_TIE_FACTOR 1024
 
 /* A window is stale if the distance of its source has decreased since the source cast the window,
@@ -21,13 +21,14 @@
  * window stale. */
 #define GD_TOL_STALE 1e-13
 
-/* A window narrower than this part of its edge is dropped. Paths that bend at the ends of the
- * neighbouring windows close the gap. The error is of second order in the angle that the gap
- * subtends, at most GD_TOL_WIDTH / GD_TOL_FLAT. */
+/* A window narrower than this part of its edge is dropped. In the gap, distances come from paths
+ * that bend at the ends of the neighbouring windows. The error is of second order in the angle that
+ * the gap subtends, at most GD_TOL_WIDTH / GD_TOL_FLAT. */
 #define GD_TOL_WIDTH 1e-13
 
-/* Where several seeds meet, only windows as narrow as rounding are dropped: a seed beside the edge
- * may see the edge through a window that is only slightly wider. */
+/* Replaces GD_TOL_WIDTH if there are several seeds. A seed close to an edge may see the edge
+ * through a window that is only slightly wider than the rounding error of its ends. So only windows
+ * that are as narrow as this error are dropped. */
 #define GD_TOL_NARROW 1e-15
 
 /* A face is rejected as degenerate if its height over its longest edge is less than this part of
@@ -89,10 +90,10 @@
  * it. */
 #define GD_TOL_CONE 1e-7
 
-/* A face flatter than this (height over its longest edge) counts as nearly degenerate. A vertex
- * that close to its opposite edge casts a window through the whole edge, because the ends of a
- * clipped window would not determine the angle. The shadow cone only saves work, so a wider window
- * is correct. */
+/* A face flatter than this (height over its longest edge) counts as nearly degenerate. A vertex of
+ * such a face, close to the opposite edge, casts a window through the whole edge, because the ends
+ * of a clipped window would not determine the angle. Windows are clipped to the shadow cone only to
+ * save work, so a wider window is correct. */
 #define GD_TOL_CAP 1e-6
 
 /* A traced path that passes a vertex closer than this part of the edge goes through the vertex. The
@@ -100,34 +101,37 @@
  * The tolerance is well above the rounding of a thousand unfolded faces. */
 #define GD_TOL_SNAP 1e-10
 
-/* A path whose length disagrees with the distance is traced again with a wider tolerance. A leg
- * then passes through a vertex if the vertex is off the leg by less than this part of the distance
- * to the leg's nearer end. The detour is of the order of the square of this part. The first attempt
- * uses LEAST. Each further attempt uses STEP times the tolerance of the previous one. */
+/* If the length of a traced path disagrees with the distance, the path is traced again with a wider
+ * tolerance. A leg then passes through a vertex if the vertex is off the leg by less than this part
+ * of the distance to the leg's nearer end. The detour is of the order of the square of this part.
+ * The first attempt uses LEAST. Each further attempt uses STEP times the tolerance of the previous
+ * one. */
 #define GD_TOL_ASIDE_LEAST 1e-16
 #define GD_TOL_ASIDE_STEP  100
 
 /* Two terms are added to the tolerance of GD_TOL_ASIDE_LEAST. END: at most this part of the crossed
- * edge, because the ends of wedges are stored to 2^-32 of the edge. NOISE: this part of the
- * distance, because in faces smaller than this length rounding decides between wedges. */
+ * edge, because the ends of wedges are stored with an error of 2^-32 of the edge. NOISE: this part
+ * of the distance, because in faces smaller than this length, the rounding error decides which
+ * wedge gives the shorter distance. */
 #define GD_TOL_ASIDE_END   1e-9
 #define GD_TOL_ASIDE_NOISE 1e-14
 
-/* A leg is recomputed when less than this part of it is left, because the position of its source in
- * the face's frame has the rounding of the whole leg. */
+/* Tracing a leg recomputes the source's position in the face's frame when less than this part of
+ * the leg is left, because this position has the rounding error of the whole leg. */
 #define GD_TOL_ANEW 1e-4
 
-/* A traced ray has reached its pseudo-source if the unfolded source lies this close to it, relative
- * to the ray and the face. */
+/* A traced ray has reached a pseudo-source if the unfolded source is this close to the
+ * pseudo-source, relative to the sizes of the ray and the face. */
 #define GD_TOL_ARRIVED 1e-6
 
 /* Barycentric coordinates and edge parameters this close to the border are on it. The tolerance is
  * the rounding of their sum. */
 #define GD_TOL_ON_BORDER 4e-15
 
-/* A corner of a curve this close to an edge is moved onto it. The corner's view ends right beside
- * its perpendicular foot on the edge, and the ends of windows are parameters of the edge. At a
- * smaller distance they would not determine the angle well enough for distances to 1e-9. */
+/* A corner of a curve this close to an edge is moved onto it. The view from the corner ends close
+ * to the corner's perpendicular foot on the edge, and the ends of windows are stored as parameters
+ * of the edge. If the corner were closer to the edge, these parameters would not determine the
+ * angle well enough for distances with an error of 1e-9. */
 #define GD_TOL_CORNER 4e-12
 
 /* A caller's barycentrics may differ from a sum of one, and its t may lie outside [0,1], by this
@@ -146,7 +150,8 @@
 #define GD_TOL_PACKED 1e-6
 
 /* A leg counts as straight if its crossing of an edge is off the straight line by at most this part
- * of the edge. The reason is that the ends of wedges are stored to 2^-32 of the edge. */
+ * of the edge. The reason is that the ends of wedges are stored with an error of 2^-32 of the
+ * edge. */
 #define GD_TOL_STRAIGHT 1e-9
 
 /* ENVELOPE: a source that is seen through several wedges has unfolded images that differ by this
@@ -163,14 +168,14 @@
 #define GD_TOL_TIE 1e-11
 
 /* Nodes of a diagram are searched within this distance of their nudged positions, relative to the
- * edge or the face. Ends within this distance of each other are one node. If a bisector meets the
- * border of the views of two sources at a small angle, the bisector's end moves by much more than
- * nudge and rounding. */
+ * edge or the face. Ends of bisectors within this distance of each other are one node. If a
+ * bisector meets the border of the views of two sources at a small angle, the bisector's end moves
+ * by much more than nudge and rounding. */
 #define GD_TOL_NODE 1e-6
 
-/* If two bisectors of three sources meet at a smaller angle, the distances do not determine the
- * common point precisely. The point then keeps its nudged position, whose error is at most the
- * nudge. */
+/* If two bisectors of three sources meet at a smaller angle than this, in radians, the distances do
+ * not determine the common point precisely. The point then keeps its nudged position, whose error
+ * is at most the nudge. */
 #define GD_TOL_TANGENT 1e-3
 
 /* A ridge of the distance is traced where the two directions of arrival differ by at least this
@@ -180,16 +185,17 @@
 /* Loose ends of ridges are joined over at most this part of the face. */
 #define GD_TOL_RIDGE_GAP 1e-2
 
-/* An end of a ridge this near to an edge, a vertex or another end lies there. Relative to the
- * face. */
+/* If an end of a ridge is this near to an edge, a vertex or another end, it is moved there.
+ * Relative to the size of the face. */
 #define GD_TOL_SNAP 1e-10
 
-/* A span of a bisector's angles is empty if it is no wider than this: the rounding of an angle. */
+/* A span of a bisector's angles is empty if it is at most this wide. This is the rounding error of
+ * an angle. */
 #define GD_TOL_SPAN 0x1p-52
 
 /* To close gaps due to rounding, the strip that a segment source sees may be widened by this part
- * of its distance from the segment. Distances in the added strip are too short by at most half this
- * part of the strip's width. */
+ * of the distance from the segment. Distances in the added part are too short by at most half this
+ * part of the added width. */
 #define GD_TOL_LENGTHENED 1e-3
 
 /* Ends of arcs within this distance of each other, relative to the face, are matched first. The
@@ -204,10 +210,10 @@
  * This is 8 ulps, the rounding of a computed, printed or stored position. */
 #define GD_TOL_LOCATE 1.8e-15
 
-/* Bounds that prune a search are rounded to the safe side by this part of the bound, and by this
- * part of the coordinates. Their own rounding is smaller. But across faces as flat as GD_TOL_FLAT
- * the distance of a path may be off by about 1e-10, and no other path replaces a wrongly pruned
- * one. */
+/* Bounds that prune a search are changed to the safe side by this part of the bound, and by this
+ * part of the coordinates. The rounding error of the bounds is smaller. But the distance of a path
+ * across faces as flat as GD_TOL_FLAT may have an error of about 1e-10, and a path that is pruned
+ * by mistake cannot be replaced by another one. */
 #define GD_TOL_BOUND 1e-8
 
 /* Rounding error of a distance that is stored as a float, or of a difference of two such distances,
@@ -227,9 +233,10 @@
  * rounding. */
 #define GD_TOL_DRIFT 1e-15
 
-/* A segment of a vector that another segment follows ends at a vertex this close, relative to the
- * segment's length. A segment that meets the boundary with at most this part of its length left has
- * reached its end. Faces as flat as GD_TOL_FLAT have nearly as much rounding. */
+/* A vector may consist of several segments. If the end of a segment is this close to a vertex,
+ * relative to the segment's length, the next segment begins at the vertex. If a segment reaches the
+ * boundary and at most this part of its length is left, it is complete. Rounding in faces as flat
+ * as GD_TOL_FLAT is nearly as large. */
 #define GD_TOL_JOINT 1e-9
 
 /* A line touches an earlier segment of itself if their distance is less than this part of the
@@ -237,37 +244,39 @@
 #define GD_TOL_TOUCH 1e-9
 
 /* A cut's curve is moved onto a vertex or an edge that is nearer than this part of a face's longest
- * edge. This is ten times the flatness below which a face is rejected. In faces that are nearly
- * flat themselves, larger parts are tried, multiplied by STEP each time, up to MOST. */
+ * edge. This is ten times the flatness below which a face is rejected. If the cut fails with this
+ * part in faces that are nearly that flat, larger parts are tried: each is STEP times the previous
+ * one, up to MOST. */
 #define GD_TOL_SEAM      1e-6
 #define GD_TOL_SEAM_MOST 1.5e-2
 #define GD_TOL_SEAM_STEP 10
 
-/* An edge of a triangulation is flipped if the sine of the sum of its opposite angles is this far
- * below zero. Rounding is smaller, so no flip is undone. */
+/* An edge of a triangulation is flipped if the sine of the sum of its opposite angles is less than
+ * minus this value. The rounding error is smaller, so no later flip undoes this one. */
 #define GD_TOL_DELAUNAY 1e-12
 
 /* The iteration for a mean has converged if the next step is at most this part of the root mean
- * square distance from the points. The tolerance is the rounding of directions and lengths. */
+ * square distance from the points. The tolerance is the rounding error of directions and
+ * lengths. */
 #define GD_TOL_MEAN 1e-11
 
-/* A line that bends at a vertex by less than this angle is straight there. Passing the vertex on
- * the other side would shorten it only by the square of the angle. */
+/* A line that bends at a vertex by less than this angle counts as straight there. Another line that
+ * passes the vertex on the other side would be shorter only by the square of the angle. */
 #define GD_TOL_BEND 1e-10
 
-/* A closed curve is a geodesic if it bends by less than this angle where it begins and ends. The
- * error of its length is the square of the angle. */
+/* A closed curve counts as a geodesic if it bends by less than this angle at the point where it
+ * begins and ends. The error of its length is of the order of the square of the angle. */
 #define GD_TOL_CLOSED_TURN 1e-9
 
 /* A closed curve that shrinks to less than this part of its first length shrinks to a point. */
 #define GD_TOL_VANISH 1e-9
 
-/* Points of a spline closer than this part of the distance to the farthest of their neighbours are
- * one point: no direction between them is defined. */
+/* Two points of a spline count as one point if they are closer than this part of the distance to
+ * the farthest of their neighbours, because no direction between them is defined. */
 #define GD_TOL_SAME_POINT 1e-12
 
-/* Simplification makes no face flatter than this. The faces that gd_mesh_build warns about are much
- * flatter. A face that is nearly a line has no reliable normal. */
+/* Simplification makes no face flatter than this, because a face that is nearly a line has no
+ * reliable normal. The faces that gd_mesh_build warns about are much flatter. */
 #define GD_TOL_EDIT_FLAT 1e-2
 
 /* A filled hole avoids triangles flatter than this: their normals have few digits, and later edge
@@ -275,14 +284,15 @@
 #define GD_TOL_EDIT_PATCH 1e-5
 
 /* An edge of a patch is flipped if the sum of the angles opposite to it exceeds pi by more than
- * this part of pi. An angle of a triangle of GD_TOL_EDIT_PATCH is known to about 1e-16 /
- * GD_TOL_EDIT_PATCH = 1e-11. So the diagonals of four points on a circle, whose angles sum to pi,
- * do not replace each other forever. */
+ * this part of pi. In a triangle as flat as GD_TOL_EDIT_PATCH, angles have an error of about 1e-16
+ * / GD_TOL_EDIT_PATCH = 1e-11. The bound is larger than this error. So if four points lie on a
+ * circle, and the opposite angles sum to pi for both diagonals, the diagonals do not replace each
+ * other forever. */
 #define GD_TOL_EDIT_FLIP 1e-9
 
 /* Two faces are folded onto each other if they meet at less than this angle, in radians: about five
- * degrees. If a patch folds back in a plane, the faces at the fold meet at an angle of zero, up to
- * the noise of the loop's positions. */
+ * degrees. If a patch folds back in a plane, the faces at the fold meet at an angle of zero, except
+ * for the noise in the positions of the hole's boundary. */
 #define GD_TOL_EDIT_FOLD 0.09
 
 /* Coordinates and extents beyond this and its inverse are rejected: their squares leave the range
@@ -295,12 +305,13 @@
 
 /* --- parametric surfaces (nurbs) -------------------------------------------------------------- */
 
-/* Two borders of a surface are one curve, or a border is one point, if they agree to this part of
- * the surface's size. Lengths across the border are off by no more. */
+/* Two borders of a surface count as one curve if they differ by at most this part of the surface's
+ * size, and a border counts as one point if it is at most that large. The error of lengths across
+ * the border is at most as large. */
 #define GD_TOL_CLOSED 1e-11
 
-/* Derivatives in u and v are parallel, as at a pole, if they enclose an area of less than this part
- * of their squares. */
+/* Derivatives in u and v count as parallel, as at a pole, if the area of their parallelogram is
+ * less than this part of the sum of their squares. */
 #define GD_TOL_REGULAR 1e-14
 
 /* A pivot of Cholesky's method below this part of its diagonal entry is zero up to rounding: the
@@ -312,24 +323,25 @@
 #define GD_TOL_DEGENERATE 1e-9
 
 /* Newton's method on a length has converged if the next step would save less than this part of the
- * length: the square of the gradient's rounding. */
+ * length. This is the square of the gradient's rounding error. */
 #define GD_TOL_STATIONARY 1e-24
 
 /* If a step is expected to save less than this part of the length, the computed lengths do not show
  * whether it helps. Such steps are accepted as long as the expected saving decreases. */
 #define GD_TOL_BLIND 1e-12
 
-/* A curve may leave its smooth cell of a surface by this part of the cell's width. There the cell's
- * polynomial continues smoothly and differs from the neighbour's by the square of that part at
- * most. */
+/* A curve may leave its cell (the part of the surface with one polynomial) by this part of the
+ * cell's width. The cell's polynomial continues smoothly there, and differs from the neighbour's
+ * polynomial by at most the square of this part. */
 #define GD_TOL_CELL 1e-8
 
-/* An initial curve of a path begins and ends this near to the path's ends, relative to the size of
- * the surface. It is a guess, which may be rounded to a few digits. */
+/* An initial curve of a path must begin and end this near to the path's ends, relative to the size
+ * of the surface. The tolerance is large, because the caller may round the curve to a few
+ * digits. */
 #define GD_TOL_INITIAL 1e-3
 
-/* Locally shortest paths whose lengths agree to this part, and all those between them, are one
- * family of equally long paths. The error of a length is smaller. */
+/* If two locally shortest paths, and all paths between them, have the same length up to this part,
+ * they are one family of equally long paths. The error of a length is smaller. */
 #define GD_TOL_FAMILY 1e-9
 
 /* Two curves on a surface meet if points of them are this close in space, relative to the surface's
@@ -350,7 +362,7 @@
 
 /* Geodesics of a subdivision surface: the largest error of an integration step, relative to the
  * patch and the speed. It is a few hundred times rounding. Near a spike, where the derivatives
- * become parallel, it is divided by the sine of their angle. */
+ * become parallel, the bound is divided by the sine of the angle between them. */
 #define GD_TOL_GEODESIC 1e-13
 
 /* A path along the border of a patch counts as inside up to this distance beyond the border,
@@ -358,8 +370,8 @@
  * distance. */
 #define GD_TOL_PATCH 1e-12
 
-/* A path meets a vertex this near, relative to the surface's extent. A smaller distance does not
- * move the path. */
+/* A path that passes a vertex at a distance below this, relative to the surface's extent, passes
+ * through the vertex. Such a small distance does not change the path measurably. */
 #define GD_TOL_VERTEX 1e-11
 
 /* Two directions from a corner of a limit surface count as parallel if their cross product is
@@ -374,39 +386,40 @@
 
 /* Shooting. BESIDE_SHOT: the change of direction, in radians, by which the derivative of a
  * geodesic's end is measured. SHOT: an end this near to its target, relative to the length, has
- * arrived. SAME_WAY: a geodesic whose length differs from the polyline's by more than this part is
- * another geodesic. */
+ * arrived. SAME_WAY: if the length of a geodesic differs from the length of the polyline by more
+ * than this part, it is not the geodesic near the polyline. */
 #define GD_TOL_BESIDE_SHOT 1e-6
 #define GD_TOL_SHOT        1e-11
 #define GD_TOL_SAME_WAY    0.1
 
 /* Gaps between neighbouring strips of a segment's profile are narrower than this part of the
- * profile. They come from ends of windows, which are rounded to 2^-32 of an edge. */
+ * profile. The cause of these gaps is that ends of windows are rounded to 2^-32 of an edge. */
 #define GD_TOL_GAP 1e-6
 
 /* Two paths to a point are different if their arrival directions differ by this angle, in radians.
- * Paths around both sides of a vertex that they nearly pass differ by less. The point lies on the
- * cut locus if it is nearer to an exact tie of the two paths than GD_TOL_CUT of its distance. This
- * is the rounding of a tie. */
+ * Paths around both sides of a vertex that they nearly pass differ by less. The point counts as a
+ * point of the cut locus if a position where both paths are equally long is nearer to it than
+ * GD_TOL_CUT times its distance. This is the rounding error of such a position. */
 #define GD_TOL_CUT_ANGLE 1e-3
 #define GD_TOL_CUT       1e-10
 
 /* A path that bounds a search is straightened until a round shortens it by less than this part of
- * its length. The excess that remains is a few times this part and hardly widens the search. */
+ * its length. The path is then longer than a geodesic by a few times this part, which hardly
+ * enlarges the search. */
 #define GD_TOL_TETHER 1e-5
 
-/* Largest rounding of a step from ring to ring (kernel/ring.h) in floats, relative to the search's
- * bound. No coordinate exceeds that bound. */
+/* Largest rounding error, in floats, of a step from one ring of faces around the target to the next
+ * (kernel/kernel_ring.h), relative to the search's bound. No coordinate exceeds this bound. */
 #define GD_TOL_RING 2e-6
 
-/* Points of a ring count as at least this far from a place, relative to the search's bound. The
- * bound of their distance then needs no division by zero. It is far below GD_TOL_RING. */
+/* If a point of a ring is nearer to a place than this, relative to the search's bound, this value
+ * is used as the distance. It avoids a division by zero, and is far below GD_TOL_RING. */
 #define GD_TOL_RING_NEAR 1e-9
 
 /* If two segments of a curve turn by a smaller angle at their joint, the joint counts as straight.
- * The sector behind the joint has this angle. In the sector, paths around the ends of the segments'
- * windows are as short, up to the square of the angle. A point this near to the line across a joint
- * also belongs to the joint. */
+ * The sector between the windows of the two segments then has at most this angle. A path into the
+ * sector that bends at an end of these windows is longer than the shortest path only by the square
+ * of the angle. A point this near to the line across a joint also belongs to the joint. */
 #define GD_TOL_ONWARD 1e-10
 
 /* Rounding of the foot of the joint's perpendicular, relative to the lengths of its face's
@@ -424,22 +437,24 @@
  * rounding of places that are computed on a loop, stored and read again. */
 #define GD_TOL_TRIMMED 1e-9
 
-/* A path in a trimmed domain is taut if it leaves loops at angles below this. The error of its
- * length is of the order of the third power. */
+/* A path in a trimmed domain is taut if it meets and leaves loops at angles below this. The error
+ * of its length is of the order of the third power of the angle. */
 #define GD_TOL_TAUT 1e-8
 
-/* Contacts do not move if the angle is below this: the rounding of directions. */
+/* The ends of a contact (a part of a loop that the path follows) are not moved if the path meets
+ * the loop at an angle below this. This is the rounding error of directions. */
 #define GD_TOL_CALM 1e-13
 
-/* The quadrature of a part of a loop is exact to this, relative to the surface's size. */
+/* Largest error of the quadrature along a part of a loop, relative to the surface's size. */
 #define GD_TOL_ARC 1e-15
 
 /* A path leaves a trimmed domain if it is this far outside, relative to the domain's width. Places
- * of a path are rounded, and a tangential path is off its loop by the square of its angle. */
+ * of a path are rounded, and a path that should touch a loop crosses it by the square of its angle
+ * with the loop. */
 #define GD_TOL_LEAVES 1e-8
 
-/* A path follows a loop whose geodesic curvature, times the surface's size, is at most this much
- * away from the obstacle: a straight loop. */
+/* A path can follow a loop only where the loop does not bend away from the obstacle. A geodesic
+ * curvature that bends away by at most this much, times the surface's size, counts as straight. */
 #define GD_TOL_PRESSING 1e-7
 
 #endif
