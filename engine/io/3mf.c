@@ -8,7 +8,7 @@
 
 #include "io/readers.h"
 
-#define DEPTH         64   /* limit on the nesting of components */
+#define DEPTH         64   /* largest depth of nested components */
 #define LOOK_ELEMENTS 8192 /* number of vertices and triangles between two checks of the control */
 #define DEFAULT_MODEL "3D/3dmodel.model"
 
@@ -147,8 +147,8 @@ static enum gd_status add_up(struct gd__3mf *package, uint32_t i)
     return GD_OK;
 }
 
-/* Computes the sums of all objects. Handles the first part last, because only its objects may refer
- * to other parts. */
+/* Computes the numbers of vertices and triangles of all objects. Handles the first part last,
+ * because only its objects may refer to other parts. */
 static enum gd_status add_up_all(struct gd__3mf *package)
 {
     enum gd_status status = GD_OK;
@@ -159,7 +159,7 @@ static enum gd_status add_up_all(struct gd__3mf *package)
     return status;
 }
 
-/* The sums over all items of the build. */
+/* Numbers of vertices and triangles of all items of the build. */
 struct sum {
     uint64_t vertices, triangles;
 };
@@ -199,7 +199,8 @@ static enum gd_status check_sum(const struct gd__3mf *package, const struct sum 
 
 /* --- the build -------------------------------------------------------------------------------- */
 
-/* The components of an object that is being placed. */
+/* An object that is being placed: its next component, the end of its components, its part and its
+ * transform. */
 struct step {
     uint32_t use, end;
     uint32_t part;
@@ -211,7 +212,7 @@ struct placing {
     struct gd__builder *builder;
     struct step steps[DEPTH];
     unsigned depth;
-    uint64_t done, all; /* numbers of vertices and triangles, for the progress */
+    uint64_t done, all; /* placed and total numbers of vertices and triangles, for the progress */
 };
 
 static enum gd_status look(struct placing *placing)

@@ -12,14 +12,14 @@
 #include "io/zip.h"
 
 #define GD__3MF_PARTS 256
-/* limit on objects; the limits on components and on items are the same */
+/* largest number of objects, of components and of items */
 #define GD__3MF_OBJECTS 65536
 #define GD__3MF_PATH    256 /* longest name of a part, including its NUL */
 
 /* Largest ratio of XML bytes to bytes of the package. A package that exceeds it is rejected,
  * because it was probably made to exhaust the memory. */
 #define GD__3MF_INFLATION 256
-/* Largest amount of memory of the XML parser. */
+/* Largest number of bytes that the XML parser may allocate. */
 #define GD__3MF_XML_BYTES ((size_t)16 << 20)
 
 /* A model part of the package. */
@@ -38,18 +38,21 @@ struct gd__3mf_use {
 
 struct gd__3mf_object {
     uint32_t part, id;
-    bool is_left_out; /* true if a support structure, or an object of type "other" */
+    /* true if the object is a support structure or has the type "other"; it is not placed */
+    bool is_left_out;
     uint32_t first_vertex, vertex_count;
     uint32_t first_triangle, triangle_count;
     uint32_t first_use, use_count; /* its components */
-    /* numbers for the object and all its components, saturated at UINT32_MAX */
+    /* numbers of vertices and triangles of the object and all its components, saturated at
+       UINT32_MAX */
     uint64_t vertices, triangles;
 };
 
 /* All arrays grow by a factor of 1.5. */
 struct gd__3mf {
     struct gd_detail *detail;
-    struct gd_read_options limits; /* 0 (no limit given) is already replaced by the default */
+    /* a limit that the caller left 0 is already replaced by the default */
+    struct gd_read_options limits;
     struct gd__zip *zip;
     size_t size;      /* bytes of the package */
     bool is_counting; /* true if vertices and triangles are counted but not stored */
@@ -59,7 +62,7 @@ struct gd__3mf {
     uint32_t object_count, object_capacity;
     struct gd__3mf_use *uses;
     uint32_t use_count, use_capacity;
-    uint32_t first_item, item_count; /* the items of the build, in `uses` */
+    uint32_t first_item, item_count; /* indices in `uses` of the items of the build */
     double (*positions)[3];
     uint32_t vertex_count, vertex_capacity;
     uint32_t (*triangles)[3]; /* vertex numbers within their object */
@@ -68,12 +71,12 @@ struct gd__3mf {
 
 /* --- 3mf.c ------------------------------------------------------------------------------------ */
 
-/* Returns the number of the part with that name, and adds the part if it is new. Ignores a leading
- * '/'. Errors: GD_UNSUPPORTED (too many parts, or too long a name), GD_NO_MEMORY. */
+/* Returns in `out` the number of the part with that name, and adds the part if it is new. Ignores a
+ * leading '/'. Errors: GD_UNSUPPORTED (too many parts, or too long a name), GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__3mf_name_part(struct gd__3mf *package, const char *name,
                                              uint32_t *out);
 
-/* Makes room for one more item of an array. Returns false if there is no memory. */
+/* Makes room for one more item of `item` bytes in an array. Returns false if there is no memory. */
 bool gd__3mf_grow(void **array, uint32_t count, uint32_t *capacity, size_t item);
 
 /* --- 3mf_model.c ------------------------------------------------------------------------------ */

@@ -11,8 +11,8 @@
 #include "io/3mf.h"
 
 #define CHUNK_BYTES   65536
-#define LONGEST_TOKEN ((XML_Index)65536) /* limit on a tag or a comment, in bytes */
-#define DEPTH         64                 /* limit on the nesting of elements */
+#define LONGEST_TOKEN ((XML_Index)65536) /* largest size of a tag or a comment, in bytes */
+#define DEPTH         64                 /* largest depth of nested elements */
 #define NO_OBJECT     UINT32_MAX
 
 struct model {
@@ -29,9 +29,9 @@ struct model {
 
 /* --- memory of the parser --------------------------------------------------------------------- */
 
-/* Bytes that the parser of this thread has allocated. A thread parses one part at a time. The
- * parser keeps the names of all elements until it is freed, so a document could fill the memory
- * with names. */
+/* Bytes that the parser of this thread has allocated. A thread parses one part at a time. The bytes
+ * are limited because the parser keeps the names of all elements until it is freed, so that a
+ * document could fill the memory with names. */
 static _Thread_local size_t xml_bytes;
 
 union block {
@@ -293,7 +293,8 @@ static void begin_item(struct model *model, const char **attributes)
     add_use(model, attributes);
 }
 
-/* Returns true if the name has the prefix of the first element, which is nearly always empty. */
+/* Returns true if the name has the same prefix as the first element. In nearly all files this
+ * prefix is empty. */
 static bool is_core(const struct model *model, const char *name)
 {
     return (size_t)(local_name(name) - name) == model->prefix;
@@ -434,7 +435,7 @@ enum gd_status gd__3mf_find_model(struct gd__3mf *package, char *out)
 enum gd_status gd__3mf_read_model(struct gd__3mf *package, uint32_t part)
 {
     char name[GD__3MF_PATH];
-    /* copies the name, because the array of parts may move */
+    /* parsing may reallocate the array of parts, so the name is copied */
     strcpy(name, package->parts[part].name);
     struct model model = {.package = package, .part = part, .name = name, .object = NO_OBJECT};
     enum gd_status status = read_part(&model, begin_element);

@@ -9,8 +9,8 @@
 
 #include "base/large.h"
 
-/* Largest limit. It keeps every corner offset within 32 bits. A polygon of n corners counts as n -
- * 2 triangles, so there are at most 3 x 2^30 corners. */
+/* Largest allowed value of a limit. A polygon of n corners counts as n - 2 triangles, so there are
+ * at most 3 x 2^30 corners, and every index of a corner has at most 32 bits. */
 #define LARGEST_LIMIT (UINT32_C(1) << 30)
 
 #define SMALLEST_CAPACITY 64
@@ -186,7 +186,8 @@ enum gd_status gd__builder_add_index(struct gd__builder *builder, double index, 
     return gd__builder_add_corner(builder, (uint64_t)number, at);
 }
 
-/* Allocates and fills `first` for the polygons so far, which are all triangles. */
+/* Allocates `first`, and fills it for the polygons that were closed so far, which are all
+ * triangles. */
 static bool begin_first(struct gd__builder *builder)
 {
     if (!resize_first(builder, grown(builder->polygon_count))) return false;

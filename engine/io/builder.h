@@ -1,6 +1,6 @@
 /* Builder: collects the polygons of a file while it is being read. Arrays grow by half, within the
- * limits. Their size is at most a small multiple of the bytes read, because readers add and reserve
- * only elements that those bytes contain. */
+ * limits. Readers add only elements that they have read, and reserve only elements for which the
+ * input is long enough. So the arrays' size is at most a small multiple of the input's size. */
 #ifndef GD_IO_BUILDER_H
 #define GD_IO_BUILDER_H
 
@@ -13,11 +13,12 @@
 #include "io/scan.h"
 
 struct gd__builder {
-    const struct gd__scan *scan;   /* borrowed; errors name a line or byte of this scan */
-    struct gd_read_options limits; /* 0 (no limit given) is already replaced by the default */
-    /* number of the first vertex in the format: 0 or 1; for error texts only */
+    const struct gd__scan *scan; /* borrowed; errors name a line or byte of this scan */
+    /* a limit that the caller left 0 is already replaced by the default */
+    struct gd_read_options limits;
+    /* the number that the format gives to the first vertex, 0 or 1; used only in error texts */
     uint32_t index_base;
-    const char *next_look; /* checks the control once the scan has reached this position */
+    const char *next_look; /* position of the scan at which the control is checked next */
     double done;           /* fraction of the reading that was last reported to the control */
     /* true if the input has vertices before this builder's part, whose number is unknown */
     bool is_part;
@@ -53,15 +54,15 @@ void gd__builder_free(struct gd__builder *builder);
 GD_MUST_USE enum gd_status gd__builder_reserve(struct gd__builder *builder, uint64_t positions,
                                                uint64_t polygons);
 
-/* Checks the control if enough input was read since the last check. Readers call it for input that
- * they skip. Errors: GD_CANCELLED, GD_DEADLINE. */
+/* Checks the control if enough input was read since the last check. Readers call this function
+ * while they skip input. Errors: GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__builder_look(struct gd__builder *builder);
 
 /* Returns a pace for a loop over the elements added so far. */
 struct gd__pace gd__builder_pace(const struct gd__builder *builder);
 
-/* Adds a vertex. Errors name the position `at`. Checks the control at intervals. Errors:
- * GD_NON_FINITE, GD_TOO_LARGE, GD_NO_MEMORY. */
+/* Adds a vertex. Error texts name the line or byte of `at`. Checks the control at intervals.
+ * Errors: GD_NON_FINITE, GD_TOO_LARGE, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_add_position(struct gd__builder *builder,
                                                     const double xyz[3], const char *at);
 
@@ -75,8 +76,9 @@ GD_MUST_USE enum gd_status gd__builder_add_corner(struct gd__builder *builder, u
 GD_MUST_USE enum gd_status gd__builder_add_index(struct gd__builder *builder, double index,
                                                  const char *at);
 
-/* Handles an element at `at` that is invalid but can be skipped. If limits.skipped is set, records
- * its line there and returns GD_OK. Otherwise fails with `status` and the formatted sentence. */
+/* Handles an invalid element at the position `at` that the reader can skip. If limits.skipped is
+ * set, records its line there and returns GD_OK. Otherwise fails with `status` and the formatted
+ * sentence. */
 GD_MUST_USE enum gd_status gd__builder_skip(struct gd__builder *builder, const char *at,
                                             enum gd_status status, const char *format, ...)
     __attribute__((format(printf, 4, 5)));

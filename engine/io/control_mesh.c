@@ -17,12 +17,13 @@ void gd_control_mesh_free(struct gd_control_mesh *mesh)
     *mesh = (struct gd_control_mesh){0};
 }
 
-/* The numbers of values of a tag, from the text "ints/floats/strings" after the tag's name. */
+/* The number of integers, floats and strings of a tag, from the text "ints/floats/strings" after
+ * the tag's name. */
 struct counts {
     int64_t whole, real, text;
 };
 
-/* A tag whose values are being read: whole numbers first, then real ones. */
+/* A tag whose values are being read: first its integers, then its floats. */
 struct tag {
     struct gd__scan *scan;
     struct gd_control_mesh *mesh;

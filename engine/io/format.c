@@ -54,7 +54,8 @@ const char *gd_format_media_type(enum gd_format format)
 }
 
 /* Signatures, the most reliable ones first. GLB begins with a magic number of four bytes. glTF and
- * the JSON format differ in their first key. OBJ has no signature, so it is tried last. */
+ * the JSON format are distinguished by their first key. OBJ has no signature, so it is tried
+ * last. */
 static const struct {
     enum gd_format format;
     bool (*recognise)(struct gd__scan scan);
@@ -67,7 +68,8 @@ static const struct {
 
 #define UTF16_BEGINNING ((size_t)1 << 16) /* bytes of UTF-16 that are searched for a signature */
 
-/* number of bytes of text searched for a signature; blanks and comments may precede it */
+/* Number of bytes of text that are searched for a signature. Blanks and comments may precede the
+ * signature. */
 #define TEXT_BEGINNING ((size_t)1 << 20)
 
 static enum gd_format recognise_beginning(struct gd__scan beginning)

@@ -114,7 +114,7 @@ enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object, cons
 
 /* --- the document ----------------------------------------------------------------------------- */
 
-/* Returns true for an extension that does not change the shape. */
+/* Returns true if the extension does not change the shape of the meshes. */
 static bool leaves_shape(const struct gd__json *json, uint32_t name)
 {
     static const char *const beginnings[] = {"KHR_materials_", "KHR_technique", "KHR_texture_",
@@ -404,11 +404,12 @@ enum gd_status gd__glb_read(struct gd__scan *scan, struct gd__builder *builder)
 
 /* --- memory ----------------------------------------------------------------------------------- */
 
-/* Memory of a position and its slots in the weld (weld.h: at most four). */
+/* Memory of a position and of its slots in the hash table of the weld (weld.h), at most four
+ * slots. */
 #define VERTEX_BYTES (sizeof(double[3]) + 4 * sizeof(uint32_t))
 
-/* Bytes of the tree per byte of text: a value takes at least two bytes of text. The lists and the
- * marks of nodes take at most half as much as the tree. */
+/* Bytes of memory per byte of text. The JSON tree takes at most four (json_tree.h). The lists and
+ * the marks of nodes take at most half as much as the tree. */
 #define TREE_FACTOR 6
 
 static size_t cost_of(const struct gd__gltf_sum *sum, const struct gd_read_options *limits)

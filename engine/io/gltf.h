@@ -3,7 +3,8 @@
  * accessors. gltf_primitive.c converts primitives to triangles.
  *
  * Invariant: the document is not trusted. Every number is read by the functions below, which check
- * its type and that it is in range. An error names the byte of the document where it was found. */
+ * its type and its range. An error text names the byte of the document at which the error was
+ * found. */
 #ifndef GD_IO_GLTF_H
 #define GD_IO_GLTF_H
 
@@ -59,14 +60,14 @@ struct gd__gltf {
 #define gd__gltf_fail(gltf, value, status, ...)                                                    \
     gd__scan_fail(&(gltf)->scan, gd__json_at(&(gltf)->json, (value)), (status), __VA_ARGS__)
 
-/* Reads a member of an object that is a whole number from 0 to `most`; `otherwise` if the member is
- * missing. Errors: GD_SYNTAX. */
+/* Reads the member `name` of an object as a whole number from 0 to `most`. Returns `otherwise` in
+ * `out` if the member is missing. Errors: GD_SYNTAX. */
 GD_MUST_USE enum gd_status gd__gltf_whole(const struct gd__gltf *gltf, uint32_t object,
                                           const char *name, uint64_t otherwise, uint64_t most,
                                           uint64_t *out);
 
-/* Reads a member of an object that is an index into a list, and returns that item. GD__NO_VALUE if
- * the member is missing. Errors: GD_SYNTAX. */
+/* Reads the member `name` of an object as an index into a list. Returns this item of the list in
+ * `out`, or GD__NO_VALUE if the member is missing. Errors: GD_SYNTAX. */
 GD_MUST_USE enum gd_status gd__gltf_reference(const struct gd__gltf *gltf, uint32_t object,
                                               const char *name, const struct gd__gltf_list *list,
                                               uint32_t *out);
@@ -75,8 +76,8 @@ GD_MUST_USE enum gd_status gd__gltf_reference(const struct gd__gltf *gltf, uint3
 GD_MUST_USE enum gd_status gd__gltf_index(const struct gd__gltf *gltf, uint32_t value,
                                           const struct gd__gltf_list *list, uint32_t *out);
 
-/* Reads a member of an object that is an array of `count` real numbers. Leaves `out` unchanged if
- * the member is missing. Errors: GD_SYNTAX. */
+/* Reads the member `name` of an object as an array of `count` real numbers. Leaves `out` unchanged
+ * if the member is missing. Errors: GD_SYNTAX. */
 GD_MUST_USE enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object,
                                           const char *name, unsigned count, double *out);
 
@@ -88,9 +89,10 @@ struct gd__gltf_accessor {
     uint32_t value;      /* JSON value of the accessor */
     unsigned components; /* components per element */
     uint32_t type;       /* type of a component: 5120 (byte) to 5126 (float) */
-    bool is_normalized;  /* true if whole numbers represent [0, 1] or [-1, 1] */
-    uint32_t count;      /* number of elements */
-    const char *at;      /* the first element; NULL means that all elements are zero */
+    /* true if whole numbers represent fractions, scaled to [0, 1] or [-1, 1] */
+    bool is_normalized;
+    uint32_t count; /* number of elements */
+    const char *at; /* the first element; NULL means that all elements are zero */
     size_t stride;
     uint32_t next; /* number of the next element */
     /* number of elements in the sparse list, and index of the next one */
@@ -104,8 +106,8 @@ GD_MUST_USE enum gd_status gd__gltf_accessor_count(const struct gd__gltf *gltf, 
                                                    uint32_t *out);
 
 /* Opens an accessor of vectors ("VEC3": positions) or of whole numbers ("SCALAR": indices). Loads
- * its buffers if necessary. Errors: GD_SYNTAX, GD_TRUNCATED (it extends beyond its buffer),
- * GD_UNSUPPORTED (data in another file, compressed data), GD_NO_MEMORY. */
+ * its buffers if necessary. Errors: GD_SYNTAX, GD_TRUNCATED (the accessor extends beyond its
+ * buffer), GD_UNSUPPORTED (data in another file, compressed data), GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__gltf_accessor_open(struct gd__gltf *gltf, uint32_t value,
                                                   bool is_position, struct gd__gltf_accessor *out);
 
@@ -124,11 +126,11 @@ struct gd__gltf_visitor {
                             const struct gd__place *place);
 };
 
-/* Visits the meshes of the scene in the order of its nodes. Uses the default scene, or else the
- * first one. In a file without scenes it visits all root nodes, and in a file without nodes all
- * meshes, untransformed. It places a skinned mesh without a transform, as the format requires.
- * GD_SYNTAX (a node with two parents, or in a cycle), GD_UNSUPPORTED (nodes more than 256 deep),
- * GD_NO_MEMORY, and the errors of the visitor. */
+/* Visits the meshes of the scene in the order of its nodes. Uses the default scene, or the first
+ * scene if no default is given. In a file without scenes it visits all root nodes, and in a file
+ * without nodes all meshes, untransformed. It places a skinned mesh without a transform, as the
+ * format requires. Errors: GD_SYNTAX (a node with two parents, or in a cycle), GD_UNSUPPORTED
+ * (nodes nested more than 256 deep), GD_NO_MEMORY, and the errors of the visitor. */
 GD_MUST_USE enum gd_status gd__gltf_walk(const struct gd__gltf *gltf,
                                          struct gd__gltf_visitor *visitor);
 
@@ -136,7 +138,8 @@ GD_MUST_USE enum gd_status gd__gltf_walk(const struct gd__gltf *gltf,
 
 /* Sums over the primitives of a scene. */
 struct gd__gltf_sum {
-    uint64_t primitives, skipped; /* all primitives; `skipped`: those without triangles */
+    /* number of all primitives, and of the skipped ones (without triangles) */
+    uint64_t primitives, skipped;
     uint64_t vertices, triangles; /* upper bounds */
     uint32_t largest;             /* largest number of vertices of a primitive */
 };
@@ -155,10 +158,12 @@ struct gd__gltf_making {
     uint32_t *vertices;
     uint32_t accessor;      /* the accessor to which `vertices` belongs */
     struct gd__place place; /* the placement of these vertices */
-    uint64_t done, all;     /* vertices and corners, for the progress */
+    /* converted and total numbers of vertices and corners, for the progress */
+    uint64_t done, all;
 };
 
-/* Adds the triangles of a mesh, placed by `place`, to the builder. Errors: those of the reader. */
+/* Adds the triangles of a mesh, transformed by `place`, to the builder. Errors: those of
+ * gd_read_polygons. */
 GD_MUST_USE enum gd_status gd__gltf_make_mesh(struct gd__gltf_making *making, uint32_t mesh,
                                               const struct gd__place *place);
 

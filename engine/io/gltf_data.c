@@ -9,7 +9,8 @@
 #include "io/base64.h"
 #include "io/endian.h"
 
-#define LARGEST_WHOLE (UINT64_C(1) << 53) /* whole numbers up to this one are exact in JSON */
+/* largest whole number up to which all whole numbers are exact in JSON */
+#define LARGEST_WHOLE (UINT64_C(1) << 53)
 
 /* --- buffers ---------------------------------------------------------------------------------- */
 
@@ -23,7 +24,7 @@ static enum gd_status fail_external(const struct gd__gltf *gltf, uint32_t uri)
                          gd__excerpt(name).text);
 }
 
-/* Returns the text after ";base64," of a data: URI, up to its quote. */
+/* Returns the text of a data: URI between ";base64," and the closing quote. */
 static enum gd_status encoded_part(const struct gd__gltf *gltf, uint32_t uri,
                                    struct gd__gltf_bytes *out)
 {
@@ -151,7 +152,8 @@ static enum gd_status open_view(struct gd__gltf *gltf, uint32_t value, struct vi
     return GD_OK;
 }
 
-/* Opens the view that an object refers to. `out->bytes.at` is NULL if it refers to none. */
+/* Opens the view that an object refers to. `out->bytes.at` is NULL if the object refers to no
+ * view. */
 static enum gd_status open_named_view(struct gd__gltf *gltf, uint32_t object, struct view *out)
 {
     uint32_t view;
@@ -252,7 +254,7 @@ static enum gd_status find_dense(struct gd__gltf *gltf, struct gd__gltf_accessor
                          &accessor->at);
 }
 
-/* Finds one of the two lists of a sparse accessor; `name` is "indices" or "values". */
+/* Finds one of the two lists of a sparse accessor: the list with the name "indices" or "values". */
 static enum gd_status find_sparse_list(struct gd__gltf *gltf, uint32_t sparse, const char *name,
                                        uint32_t count, size_t size, const char **out)
 {

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-#define AXIS_PART 0.05 /* length of an axis, relative to the line */
+#define AXIS_PART 0.05 /* length of an axis, relative to the length of the line */
 
 /* --- keys ------------------------------------------------------------------------------------- */
 
@@ -13,14 +13,15 @@ static double reach_of(const struct gd_result *result)
     return result->poses[result->pose_count - 1].along - result->poses[0].along;
 }
 
-/* Returns the time of a pose in seconds; 0 for the first and GD_RESULT_SECONDS for the last. */
+/* Returns the time of a pose in seconds, from 0 for the first pose to GD_RESULT_SECONDS for the
+ * last one. */
 static float time_of(const struct gd_result *result, uint32_t pose)
 {
     double gone = result->poses[pose].along - result->poses[0].along;
     return (float)(GD_RESULT_SECONDS * (gone / reach_of(result)));
 }
 
-/* Returns the next pose with a later time; pose_count if there is none. */
+/* Returns the first pose after `pose` that has a later time, or pose_count if there is none. */
 static uint32_t next_key(const struct gd_result *result, uint32_t pose)
 {
     float time = time_of(result, pose);
@@ -62,8 +63,8 @@ bool gd__motion_fits(const struct gd_result *result, const double origin[3])
 /* --- rotations -------------------------------------------------------------------------------- */
 
 /* Computes the quaternion x, y, z, w of the rotation that takes the axes to the pose's vectors, by
- * Shepperd's method: the largest component comes from the diagonal of the matrix, the others from
- * its other elements, so nothing cancels. */
+ * Shepperd's method. It computes the largest component from the diagonal of the matrix, and the
+ * others from the other elements, so that no digits cancel. */
 static void rotation_of(const struct gd_pose *pose, double q[4])
 {
     struct gd_vec3 x = gd_vec3_cross(pose->normal, pose->tangent), y = pose->normal,
@@ -87,7 +88,7 @@ static void rotation_of(const struct gd_pose *pose, double q[4])
     for (int a = 0; a < 4; a++) q[a] /= sqrt(squares);
 }
 
-/* Replaces q by -q, which is the same rotation, if that is closer to the quaternion before. */
+/* Replaces q by -q, which is the same rotation, if -q is closer to the previous quaternion. */
 static void rotation_continue(const double before[4], double q[4])
 {
     double dot = 0;

@@ -6,14 +6,15 @@
 #include "gd/result_file.h"
 #include "io/output.h"
 
-#define GD__AXIS_POINTS      6 /* points of the object: the two ends of each of its three axes */
+/* number of points of the object: the two ends of each of its three axes */
+#define GD__AXIS_POINTS      6
 #define GD__POSITION_BYTES   12
 #define GD__COLOUR_BYTES     8
 #define GD__TIME_BYTES       4
 #define GD__QUATERNION_BYTES 16
 
 /* Returns the number of keys of the animation: poses whose times, as floats, ascend strictly.
- * Returns 0 if there is no animation: the result has no poses, or the line has no length. */
+ * Returns 0 if the result has no poses or the line has the length 0. There is no animation then. */
 uint32_t gd__motion_count(const struct gd_result *result);
 
 /* Returns the length of an axis of the object. */

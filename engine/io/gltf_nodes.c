@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEPTH 256 /* nesting of nodes */
+#define DEPTH 256 /* largest depth of nested nodes */
 
 enum { IS_CHILD = 1, IS_VISITED = 2 };
 
-/* A node on the path from the root, and its next child. */
+/* A node on the path from the root to the current node, with its next child. */
 struct step {
-    uint32_t child, end; /* JSON values in the list of its children */
+    uint32_t child, end; /* next child, and end of the list of children, as JSON values */
     struct gd__place place;
 };
 
@@ -25,8 +25,8 @@ struct walk {
 
 /* --- transforms ------------------------------------------------------------------------------- */
 
-/* Converts a quaternion to a rotation. Normalises it first: files store quaternions rounded to
- * floats, which would scale the mesh slightly. */
+/* Converts a quaternion to a rotation. Normalises it first, because files store quaternions rounded
+ * to floats: without this, the mesh would be scaled slightly. */
 static enum gd_status rotate(const struct gd__gltf *gltf, uint32_t node, const double q[4],
                              struct gd__place *out)
 {
@@ -94,8 +94,8 @@ static enum gd_status mark_visited(struct walk *walk, uint32_t number)
     return GD_OK;
 }
 
-/* Reads a member of an object that is a list. The values of the list are those from `*begin` to
- * before `*end`. The list is empty if the member is missing. */
+/* Reads the member `name` of an object as a list. The items of the list begin at the JSON value
+ * `*begin` and end before `*end`. If the member is missing, the list is empty. */
 static enum gd_status list_of(const struct gd__gltf *gltf, uint32_t object, const char *name,
                               uint32_t *begin, uint32_t *end)
 {

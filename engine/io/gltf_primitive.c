@@ -4,9 +4,10 @@
 
 #include <string.h>
 
-#define LOOK_ELEMENTS 8192 /* vertices and corners between two checks of the control */
+#define LOOK_ELEMENTS 8192 /* number of vertices and corners between two checks of the control */
 
-/* Largest number of primitives of a scene, counted each time they are placed. */
+/* Largest number of primitives of a scene. A primitive that is placed several times counts each
+ * time. */
 #define MOST_PRIMITIVES (UINT64_C(1) << 20)
 
 enum mode { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
@@ -29,8 +30,8 @@ static uint64_t triangle_count(const struct primitive *primitive)
     return primitive->corner_count < 3 ? 0 : primitive->corner_count - 2;
 }
 
-/* Rejects primitives whose positions exist only as data compressed by Draco. Their accessors
- * describe the decoded data and have no data themselves. */
+/* Rejects a primitive whose positions exist only as data compressed by Draco. The accessors of such
+ * a primitive describe the decoded data and have no data themselves. */
 static enum gd_status refuse_draco(const struct gd__gltf *gltf, const struct primitive *primitive)
 {
     uint32_t extensions = gd__json_member(&gltf->json, primitive->value, "extensions");
@@ -73,7 +74,7 @@ static enum gd_status read_primitive(const struct gd__gltf *gltf, uint32_t value
     return status == GD_OK && out->positions != GD__NO_VALUE ? read_counts(gltf, out) : status;
 }
 
-/* Finds the list of primitives of a mesh: the values from `*begin` to before `*end`. */
+/* Finds the list of primitives of a mesh: the JSON values from `*begin` to before `*end`. */
 static enum gd_status primitives_of(const struct gd__gltf *gltf, uint32_t mesh, uint32_t *begin,
                                     uint32_t *end)
 {
@@ -166,9 +167,10 @@ static enum gd_status provide_vertices(struct gd__gltf_making *making,
 struct run {
     struct gd__gltf_making *making;
     const struct primitive *primitive;
-    struct gd__gltf_accessor indices; /* if the primitive has indices */
-    const char *at;                   /* position in the document for errors */
-    /* true if the placement mirrors, so faces are reversed (glTF 2.0, 3.7.4) */
+    struct gd__gltf_accessor indices; /* open if the primitive has indices */
+    const char *at;                   /* position in the document that error texts name */
+    /* true if the placement mirrors the mesh; the orientation of faces is then reversed (glTF 2.0,
+       3.7.4) */
     bool is_mirrored;
     /* strip: the last three corners; fan: the first corner and the last two; list: the last
      * three */
@@ -213,7 +215,7 @@ static enum gd_status add_linked(struct run *run, uint32_t number)
                   : add_triangle(run, recent[0], recent[1], recent[2]);
 }
 
-/* Moves a corner into `recent`. In a fan the first corner stays. */
+/* Adds a corner to `recent` in place of the oldest one. In a fan, the first corner stays. */
 static void shift(struct run *run, uint32_t number, uint32_t corner)
 {
     if (run->primitive->mode != MODE_FAN || number <= 2) run->recent[0] = run->recent[1];

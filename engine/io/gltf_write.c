@@ -114,8 +114,8 @@ static void write_distances(const struct gd__gltf_writing *writing)
     }
 }
 
-/* Returns the number of points of a line as a strip. The point of a line of one point is written
- * twice, because a strip has at least two points. */
+/* Returns the number of points that are written for a line. A line becomes a strip, and a strip has
+ * at least two points, so the point of a line of one point is written twice. */
 static size_t strip_points(const struct gd_result *result, uint32_t line)
 {
     size_t count = result->first[line + 1] - result->first[line];

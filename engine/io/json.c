@@ -1,5 +1,5 @@
-/* JSON (RFC 8259): {"vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}, the two members
- * in either order, zero-based indices.
+/* JSON (RFC 8259): {"vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}. The two members
+ * may come in either order. Indices are zero-based.
  *
  * The nesting is fixed, so the parser needs no stack. Keys are compared without unescaping. An
  * index may be written as 3.0, because JSON does not distinguish integers from other numbers. */
@@ -73,7 +73,8 @@ static enum gd_status read_list(struct gd__scan *scan, struct gd__builder *build
     return status;
 }
 
-/* Returns the member with the name `key`, which must not be `seen` yet. */
+/* Returns in `out` the member with the name `key`. It is an error if `seen` says that this member
+ * was already read. */
 static enum gd_status member_of(const struct gd__scan *scan, struct gd__word key,
                                 bool seen[MEMBER_COUNT], enum member *out)
 {

@@ -34,8 +34,8 @@ static const char *skip_digits(const char *at, const char *end)
     return at;
 }
 
-/* Returns the end of the number at `at`. JSON allows fewer forms of numbers than the other formats.
- * Returns `at` if there is no number. */
+/* Returns the end of the number at `at`, or `at` if there is no number. JSON allows fewer forms of
+ * numbers than the other formats. */
 static const char *number_end(const char *at, const char *end)
 {
     const char *integer = at < end && *at == '-' ? at + 1 : at;

@@ -1,5 +1,5 @@
-/* JSON text (RFC 8259): parses tokens, for readers that know what they expect and for json_tree.h.
- * Errors are those of gd__scan_unexpected. */
+/* JSON text (RFC 8259): parses tokens, for readers that expect a fixed structure, and for
+ * json_tree.h. Errors are those of gd__scan_unexpected. */
 #ifndef GD_IO_JSON_TEXT_H
 #define GD_IO_JSON_TEXT_H
 
@@ -7,14 +7,14 @@
 
 void gd__json_skip_space(struct gd__scan *scan);
 
-/* Skips space, and `c` if it comes next. Returns true if `c` was there. */
+/* Skips space. Returns true if the next character is `c`, and skips `c` then. */
 bool gd__json_accept(struct gd__scan *scan, char c);
 GD_MUST_USE enum gd_status gd__json_expect(struct gd__scan *scan, char c);
 
 /* Skips space and parses a number. A number that is too large for a double becomes infinite. */
 GD_MUST_USE enum gd_status gd__json_number(struct gd__scan *scan, double *out);
 
-/* Advances within a string by about `most` bytes, or to the quote that ends it. */
+/* Advances within a string by about `most` bytes, or to the quote that ends the string. */
 GD_MUST_USE enum gd_status gd__json_string_run(struct gd__scan *scan, const char *what,
                                                size_t most);
 

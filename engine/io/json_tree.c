@@ -8,8 +8,8 @@
 
 #define LOOK_BYTES 65536 /* bytes of text between two checks of the control */
 
-/* The parser runs twice: it counts the values first, and stores them when their memory is
- * allocated. */
+/* The parser runs twice. The first run counts the values. Then their memory is allocated, and the
+ * second run stores them. */
 struct parser {
     struct gd__scan scan;
     const char *text; /* beginning of the document */
@@ -37,7 +37,7 @@ static void begin_value(struct parser *parser)
     parser->count++;
 }
 
-/* Stores the end of a value, after its contents have been read. */
+/* Stores where a value ends. Called after the contents of the value have been read. */
 static void end_value(struct parser *parser, uint32_t value)
 {
     if (parser->values) parser->values[value].next = parser->count;
@@ -81,7 +81,7 @@ static enum gd_status enter(struct parser *parser, char end)
     return GD_OK;
 }
 
-/* Reads a value that holds no others, or the beginning of an object or array. */
+/* Reads a number, string or word, or the beginning of an object or array. */
 static enum gd_status read_value(struct parser *parser)
 {
     struct gd__scan *scan = &parser->scan;
@@ -117,8 +117,8 @@ static enum gd_status leave(struct parser *parser)
     return GD_OK;
 }
 
-/* Reads a member, an item or the document itself, and the ends of the containers that end with
- * it. */
+/* Reads a member of an object, an item of an array, or the document itself. Then reads the ends of
+ * the containers that end there. */
 static enum gd_status read_item(struct parser *parser)
 {
     bool in_object = parser->depth > 0 && parser->ends[parser->depth - 1] == '}';
@@ -179,7 +179,8 @@ void gd__json_free(struct gd__json *json)
 bool gd__json_says(const struct gd__json *json, uint32_t value, const char *text)
 {
     const char *at = gd__json_at(json, value);
-    /* safe if `text` is longer: the closing quote of the value ends the comparison */
+    /* no read beyond the value if `text` is longer, because the comparison stops at the value's
+       closing quote */
     size_t length = strlen(text);
     return at[0] == '"' && strncmp(at + 1, text, length) == 0 && at[1 + length] == '"';
 }

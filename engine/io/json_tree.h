@@ -48,8 +48,8 @@ static inline uint32_t gd__json_next(const struct gd__json *json, uint32_t value
     return json->values[value].next;
 }
 
-/* Returns the value of the object's first member of that name. UINT32_MAX means that there is no
- * such member, or `object` is not an object. */
+/* Returns the value of the object's first member with that name. Returns UINT32_MAX if there is no
+ * such member, or if `object` is not an object. */
 uint32_t gd__json_member(const struct gd__json *json, uint32_t object, const char *name);
 
 /* Returns true if the value is a string of that text. */

@@ -9,8 +9,8 @@
 #define SMALLEST_VERTEX 6
 #define SMALLEST_FACE   8
 
-/* Returns the length of "[ST][C][N][4][n]OFF" at the beginning of the word; the count of vertices
- * may follow without a blank. Returns 0 if there is no such keyword. */
+/* Returns the length of the keyword "[ST][C][N][4][n]OFF" at the beginning of the word. The number
+ * of vertices may follow without a blank. Returns 0 if there is no such keyword. */
 static size_t keyword_length(struct gd__word word, bool *is_3d)
 {
     static const char *const prefixes[] = {"ST", "C", "N", "4", "n"};
@@ -55,8 +55,8 @@ static enum gd_status read_keyword(struct gd__scan *scan)
     return GD_OK;
 }
 
-/* Reads a count. Skips space first, because the counts may be on the keyword's line or on a later
- * line. */
+/* Reads a count. Skips space and line ends first, because the counts may be on the keyword's line
+ * or on a later line. */
 static enum gd_status read_count(struct gd__scan *scan, uint64_t *out)
 {
     gd__scan_skip_space(scan);
@@ -69,7 +69,8 @@ static enum gd_status read_count(struct gd__scan *scan, uint64_t *out)
     return GD_OK;
 }
 
-/* Reads the counts of vertices and faces. Skips a third count, of edges, with the line. */
+/* Reads the numbers of vertices and faces. Skips the rest of the line, which may have the number of
+ * edges. */
 static enum gd_status read_counts(struct gd__scan *scan, uint64_t *vertices, uint64_t *faces)
 {
     enum gd_status status = read_count(scan, vertices);
@@ -77,7 +78,7 @@ static enum gd_status read_counts(struct gd__scan *scan, uint64_t *vertices, uin
     if (status != GD_OK) return status;
     const char *place = scan->at;
     gd__scan_skip_line(scan);
-    /* The last line may lack its line end. */
+    /* The last line may have no line end. */
     size_t left = gd__scan_left(scan) + 1;
     if (*vertices > left / SMALLEST_VERTEX ||
         *faces > (left - *vertices * SMALLEST_VERTEX) / SMALLEST_FACE) {

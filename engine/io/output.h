@@ -1,5 +1,5 @@
-/* Output: a growing buffer of bytes that are being written. The buffer grows by half. After a
- * failure (out of memory, or stopped by the control) it is empty, and further writes are ignored.
+/* Output: a buffer to which bytes are written. It grows by half its size. After a failure (out of
+ * memory, or stopped by the control) the buffer is empty, and further writes are ignored.
  * gd__output_finish reports the failure. */
 #ifndef GD_IO_OUTPUT_H
 #define GD_IO_OUTPUT_H
@@ -12,15 +12,15 @@
 
 struct gd__output {
     char *bytes;
-    /* limit: size up to which writing needs no check of the control; <= capacity */
+    /* `limit` is the size up to which writing needs no check of the control. limit <= capacity */
     size_t size, capacity, limit;
-    const struct gd_control *control; /* NULL means that there is none */
+    const struct gd_control *control; /* NULL means no control */
     bool failed;
     enum gd_status status; /* reason of the failure; GD_OK: out of memory */
 };
 
-/* Reserves room for the first `size` bytes on huge pages. The call is optional. Without it, a large
- * buffer is copied as it grows, and freeing it takes long. */
+/* Reserves room for the first `size` bytes, on huge pages. The call is optional. Without the call,
+ * a large buffer is copied each time it grows, and takes long to be freed. */
 void gd__output_expect(struct gd__output *output, size_t size);
 
 void gd__output_bytes(struct gd__output *output, const void *bytes, size_t size);

@@ -1,4 +1,4 @@
-/* PLY header: the elements of a file, in the order in which the body holds them. */
+/* PLY header: the elements of a file, in the order in which they appear in the body. */
 #ifndef GD_IO_PLY_H
 #define GD_IO_PLY_H
 

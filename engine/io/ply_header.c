@@ -179,7 +179,7 @@ static uint64_t smallest_size(const struct gd__ply_header *header, enum gd__ply_
 /* Returns true if the rest of the input is long enough for all elements of the header. */
 static bool holds_declared(const struct gd__scan *scan, const struct gd__ply_header *header)
 {
-    /* the last line may lack its line end */
+    /* the last line may have no line end */
     uint64_t left = gd__scan_left(scan) + (header->encoding == GD__PLY_ASCII);
     for (uint32_t i = 0; i < header->element_count; i++) {
         const struct gd__ply_element *element = &header->elements[i];

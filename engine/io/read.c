@@ -73,11 +73,11 @@ enum gd_status gd_read_polygons(const void *bytes, size_t size,
     return status;
 }
 
-/* bytes of memory per byte of a file that is read once; the largest ratio is that of a triangle in
- * STL text */
+/* Bytes of memory per byte of a file that is read once. The ratio is largest for a triangle in STL
+ * text. */
 #define READ_FACTOR 8
-/* memory per byte of a file that may have triangle strips: a corner of one byte becomes a triangle
- * of twelve bytes */
+/* Bytes of memory per byte of a file that may have triangle strips. In a strip, a corner of one
+ * byte becomes a triangle of twelve bytes. */
 #define STRIP_FACTOR 32
 
 size_t gd_read_cost(const void *bytes, size_t size, const struct gd_read_options *options)

@@ -23,8 +23,8 @@ bool gd__is_utf16_text(const void *bytes, size_t size, enum gd_format format);
 GD_FORMAT_MAP(GD__READER)
 #undef GD__READER
 
-/* Return the memory that reading a 3MF or glTF file takes (gd_read_cost). gd__gltf_cost returns 0
- * for an invalid file. */
+/* Return the bytes of memory that reading a 3MF or glTF file takes (gd_read_cost). gd__gltf_cost
+ * returns 0 for an invalid file. */
 size_t gd__3mf_cost(const void *bytes, size_t size, const struct gd_read_options *options);
 size_t gd__gltf_cost(const void *bytes, size_t size, bool is_glb,
                      const struct gd_read_options *limits);

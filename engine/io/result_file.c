@@ -29,7 +29,7 @@ static void write_line(struct gd__output *output, uint64_t begin, uint64_t count
     gd__output_text(output, "\n");
 }
 
-/* Returns true if the line has another level than the line before. */
+/* Returns true if the line's level differs from that of the previous line. */
 static bool begins_level(const struct gd_result *result, uint32_t line)
 {
     return result->levels && (!line || result->levels[line] != result->levels[line - 1]);
@@ -63,7 +63,8 @@ static enum gd_status write_obj(struct gd__output *output, const struct gd_resul
 
 /* --- CSV -------------------------------------------------------------------------------------- */
 
-/* Writes the columns of a row after its numbers, without the line end. */
+/* Writes the position and the distance of a row, without the line end. Leaves the distance empty if
+ * it is not finite. */
 static void write_place(struct gd__output *output, const double position[3], double distance)
 {
     gd__output_text(output, ",");

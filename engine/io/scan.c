@@ -116,7 +116,7 @@ static inline void skip_run(struct gd__scan *scan, bool (*is_of_kind)(char c))
     }
 }
 
-/* Called for each byte that is skipped: checks the deadline at intervals. */
+/* Called for each skipped byte. Checks the deadline at intervals. */
 static inline bool is_to_end(struct gd__scan *scan)
 {
     return ((uintptr_t)scan->at & (GD__SCAN_LOOK - 1)) == 0 && gd__scan_is_over(scan);
@@ -179,7 +179,7 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/* Returns true if the number that ends at the cursor is part of something longer, such as 0x1p3 or
+/* Returns true if the number that ends at the cursor is part of a longer word, such as 0x1p3 or
  * 1.5.2. */
 static bool runs_on(const struct gd__scan *scan, const char *at)
 {
@@ -189,8 +189,8 @@ static bool runs_on(const struct gd__scan *scan, const char *at)
     return is_letter || is_digit(*at) || c == '.' || c == '_' || c == '-' || c == '+';
 }
 
-/* Rejects infinities and NaNs in the form that C libraries of Windows print: 1.#INF, -1.#IND,
- * 1.#QNAN. */
+/* Rejects infinities and NaNs in the form that C libraries of Windows print, such as 1.#INF,
+ * -1.#IND, 1.#QNAN. */
 static enum gd_status refuse_nan(const struct gd__scan *scan, const char *hash)
 {
     size_t length = (size_t)(hash - scan->at);

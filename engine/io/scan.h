@@ -23,7 +23,7 @@ struct gd__scan {
     bool comments; /* true: '#' begins a comment, which ends at the end of the line */
     /* true if a backslash at the end of a line continues the line on the next one */
     bool continued;
-    /* deadline of the reading, as in a gd_control; checked where much input is skipped; 0 means
+    /* deadline as in struct gd_control; checked at intervals while input is skipped; 0 means
        none */
     uint64_t deadline_ns;
 };
@@ -45,11 +45,12 @@ struct gd__excerpt gd__excerpt(struct gd__word word);
 /* Returns a scan at the beginning of `bytes`, or after a UTF-8 byte order mark. */
 struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail *detail);
 
-/* Returns the line of that position, counted from 1; or its byte if errors name bytes. */
+/* Returns the line of the position `at`, counted from 1. If errors name bytes, returns its byte
+ * instead. */
 uint64_t gd__scan_place(const struct gd__scan *scan, const char *at);
 
-/* Returns `status`. Writes "line 17: <sentence>" or "byte 99: <sentence>" to the detail, with that
- * line or byte as its element. */
+/* Writes "line 17: <sentence>" or "byte 99: <sentence>" to the detail, and stores the line or byte
+ * as the detail's element. Returns `status`. */
 enum gd_status gd__scan_fail(const struct gd__scan *scan, const char *at, enum gd_status status,
                              const char *format, ...) __attribute__((format(printf, 4, 5)));
 
@@ -59,19 +60,19 @@ enum gd_status gd__scan_unexpected(const struct gd__scan *scan, const char *expe
 
 #define GD__SCAN_LOOK 65536 /* bytes between two checks of the deadline */
 
-/* Returns the end of the text that a number at the cursor may have. A longer number is an error, so
- * that no number takes long. */
+/* Returns the end of the text that may be parsed as a number at the cursor. A longer number is an
+ * error. The limit keeps the time for one number short. */
 static inline const char *gd__scan_number_end(const struct gd__scan *scan)
 {
     return scan->end - scan->at < GD__SCAN_LOOK ? scan->end : scan->at + GD__SCAN_LOOK;
 }
 
-/* Returns true if the deadline has passed, and then moves the cursor to the end of the input. A
- * reader that may have skipped input must end by gd__scan_end. */
+/* If the deadline has passed, moves the cursor to the end of the input and returns true. So a
+ * reader that may have skipped input must call gd__scan_end at its end. */
 bool gd__scan_is_over(struct gd__scan *scan);
 
-/* Returns GD_DEADLINE, and clears the detail, if the deadline has passed, because the input may
- * then not have been read to its end. Otherwise returns `status`. */
+/* If the deadline has passed, clears the detail and returns GD_DEADLINE, because the input may not
+ * have been read to its end. Otherwise returns `status`. */
 enum gd_status gd__scan_end(const struct gd__scan *scan, enum gd_status status);
 
 static inline size_t gd__scan_left(const struct gd__scan *scan)

@@ -2,8 +2,8 @@
  * welded. Normals and attributes are skipped.
  *
  * Binary files may also begin with "solid", and may have bytes behind their last triangle. So the
- * input is binary in three cases: its size is exactly the size for its count of triangles, it does
- * not begin with "solid", or it has a NUL where text cannot have one. */
+ * input is binary in three cases: its size is exactly the size for the count of triangles in it, it
+ * does not begin with "solid", or it has a NUL where text cannot have one. */
 #include "io/readers.h"
 
 #include <string.h>
@@ -27,7 +27,7 @@ static size_t size_of(const struct gd__scan *scan)
     return (size_t)(scan->end - scan->begin);
 }
 
-/* Returns the count of triangles of an input that has a preamble. */
+/* Returns the number of triangles from the preamble. The input must have a preamble. */
 static uint32_t declared_triangles(const struct gd__scan *scan)
 {
     return gd__load_u32(scan->begin + HEADER_SIZE, false);

@@ -1,4 +1,4 @@
-/* UTF-16: converts text that some editors of Windows save to UTF-8. */
+/* UTF-16: converts text in UTF-16, which some editors of Windows save, to UTF-8. */
 #ifndef GD_IO_UTF16_H
 #define GD_IO_UTF16_H
 
@@ -11,9 +11,9 @@
 /* Returns true if the bytes begin with a UTF-16 byte order mark. */
 bool gd__is_utf16(const void *bytes, size_t size);
 
-/* Converts the text after the byte order mark. A surrogate without its other half becomes U+FFFD;
- * a single byte at the end is ignored. The caller frees `*out`, which has at most 1.5 * size bytes.
- * Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
+/* Converts the text after the byte order mark. A surrogate without its other half becomes U+FFFD.
+ * If the number of bytes is odd, the last byte is ignored. The caller frees `*out`, which has at
+ * most 1.5 * size bytes. Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__utf16_decode(const void *bytes, size_t size,
                                             const struct gd_control *control, char **out,
                                             size_t *out_size);

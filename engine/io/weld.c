@@ -10,7 +10,7 @@
 /* The first 64 fractional bits of the golden ratio. */
 #define GOLDEN UINT64_C(0x9E3779B97F4A7C15)
 
-/* Combines both halves of the product: every bit of either factor affects every bit of the
+/* Combines both halves of the product, so that every bit of either factor affects every bit of the
  * result. */
 static uint64_t folded_product(uint64_t a, uint64_t b)
 {
@@ -18,8 +18,8 @@ static uint64_t folded_product(uint64_t a, uint64_t b)
     return (uint64_t)product ^ (uint64_t)(product >> 64);
 }
 
-/* The secrets differ from call to call, so that nobody can make a file whose positions all collide.
- * The numbering of vertices does not depend on them. */
+/* The secret numbers in the hash differ from call to call, so that nobody can make a file whose
+ * positions all have the same hash. The numbering of vertices does not depend on them. */
 struct gd__weld gd__weld_begin(struct gd__builder *builder)
 {
     uint64_t seed = folded_product(gd_now_ns() ^ GOLDEN, (uint64_t)(uintptr_t)builder ^ ~GOLDEN);

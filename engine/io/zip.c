@@ -6,7 +6,7 @@
 
 #include "io/endian.h"
 
-#define IS_ENCRYPTED 1u /* bit of a file's flags */
+#define IS_ENCRYPTED 1u /* this bit of a file's flags means that the file is encrypted */
 #define IGNORE_CASE  2  /* argument of unzLocateFile */
 
 struct gd__zip {
@@ -28,8 +28,9 @@ static voidpf open_archive(voidpf user, const void *name, int mode)
 }
 
 /* Reads bytes of the archive for minizip. While a file of the archive is open, returns zeros after
- * the end of the archive. If minizip does not know the compressed size (Zip64), it always requests
- * whole buffers and would otherwise fail at the end of the archive. */
+ * the end of the archive. This is needed because minizip always requests whole buffers if it does
+ * not know the compressed size (Zip64). Without the zeros it would fail at the end of the
+ * archive. */
 static uLong read_archive(voidpf user, voidpf stream, void *out, uLong size)
 {
     struct gd__zip *zip = stream;
@@ -64,7 +65,7 @@ static long seek_archive(voidpf user, voidpf stream, ZPOS64_T offset, int origin
                   : origin == ZLIB_FILEFUNC_SEEK_CUR ? zip->at
                                                      : zip->size;
     (void)user;
-    size_t target = base + (size_t)offset; /* a negative offset wraps around */
+    size_t target = base + (size_t)offset; /* a negative offset wraps around as intended */
     if (target > zip->size) return -1;
     zip->at = target;
     return 0;
