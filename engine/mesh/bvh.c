@@ -6,8 +6,8 @@
 #include "mesh/construction.h"
 #include "mesh/closest_point.h"
 
-/* No coordinate is NaN. Plain comparisons are single instructions, whereas fmin and fmax are
- * calls. */
+/* Plain comparisons suffice because no coordinate is NaN. They are single instructions, whereas
+ * fmin and fmax are calls. */
 static struct gd_vec3 lower(struct gd_vec3 a, struct gd_vec3 b)
 {
     return (struct gd_vec3){a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z};

@@ -1,6 +1,7 @@
-/* Bounding volume hierarchy (BVH): bounding boxes over the faces. The faces are in Morton order, so
- * the tree needs no pointers. Level 0 has a box for every GD_BVH_LEAF consecutive faces. Each
- * further level has one for every GD_BVH_WIDTH boxes of the level below, up to a single box. */
+/* Bounding volume hierarchy (BVH): bounding boxes over the faces. The faces are in Morton order (an
+ * order in which neighbours in space get close numbers), so the tree needs no pointers. Level 0 has
+ * a box for every GD_BVH_LEAF consecutive faces. Each further level has one for every GD_BVH_WIDTH
+ * boxes of the level below, up to a single box. */
 #ifndef GD_MESH_BVH_H
 #define GD_MESH_BVH_H
 
@@ -23,18 +24,18 @@ struct gd_bvh {
     uint32_t levels;
 };
 
-/* A search for the face with the least key (a distance, a ray's parameter). It is the first member
- * of the caller's own struct. */
+/* A search for the face with the least key. The caller defines the key, for example a distance or a
+ * parameter along a ray. This struct is the first member of the caller's own struct. */
 struct gd__bvh_search {
-    double limit; /* boxes with a larger bound are skipped; `visit` lowers the limit */
-    /* Returns a lower bound of the keys within the box. INFINITY means that the box can be
+    double limit; /* boxes with a larger bound are skipped; `visit` may lower the limit */
+    /* Returns a lower bound of the keys of the faces in the box, or INFINITY if the box can be
        skipped. */
     double (*bound)(const struct gd__bvh_search *search, const struct gd__box *box);
     void (*visit)(struct gd__bvh_search *search, uint32_t face);
 };
 
-/* Visits the faces whose boxes may contain a key up to the limit, near boxes first. Thread-safe;
- * allocates nothing. */
+/* Visits the faces in boxes whose bounds do not exceed the limit. Visits boxes with small bounds
+ * first. Thread-safe; allocates nothing. */
 void gd__bvh_run(const struct gd_mesh *mesh, struct gd__bvh_search *search);
 
 /* Returns the largest absolute coordinate of the surface, in the normalised unit. */

@@ -7,7 +7,8 @@
 
 struct gd_point gd__point_of_vertex(uint32_t vertex);
 
-/* Returns the point at `t` in [0,1], from the origin of the edge's side 0. */
+/* Returns the point of an edge at the parameter `t` in [0,1], from the origin of the edge's side
+ * 0. */
 struct gd_point gd__point_of_edge(const struct gd_mesh *mesh, uint32_t edge, double t);
 
 /* Returns the point at the fraction `t` of a side's length from its origin. `rest` is 1 - t. The

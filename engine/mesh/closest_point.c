@@ -1,6 +1,6 @@
 /* The closest point of a triangle is the nearest of four candidates: one on each edge, and the foot
- * of the perpendicular if it lies inside. The nearest candidate is also correct for slivers and
- * faces of area zero. The usual tests, which use the signs of areas, fail for such faces. */
+ * of the perpendicular if it lies inside. This method is also correct for slivers and faces of area
+ * zero, for which the usual tests of the signs of areas fail. */
 #include "mesh/closest_point.h"
 
 #include "base/tolerance.h"
@@ -44,8 +44,8 @@ struct face_foot {
     struct gd_vec3 position;
 };
 
-/* Returns the foot of the perpendicular, from the areas of the triangles that it forms with the
- * edges. */
+/* Returns the foot of the perpendicular from q. Computes it from the areas of the triangles that it
+ * forms with the edges. */
 static struct face_foot foot_in_plane(const struct corners *c, struct gd_vec3 q)
 {
     struct gd_vec3 edge[3];
@@ -74,7 +74,8 @@ static double squared_distance(struct gd_vec3 a, struct gd_vec3 b)
 struct nearest {
     double squared;
     struct gd_vec3 position;
-    int side; /* 0 to 2: on that side of the face; -1 if inside */
+    /* number of the side of the face that contains the point; -1 if the point is inside the face */
+    int side;
 };
 
 static struct nearest nearest_of(const struct corners *c, struct gd_vec3 q,
@@ -97,7 +98,8 @@ double gd__face_square_distance(const struct gd_mesh *mesh, uint32_t face, struc
     return nearest_of(&c, q, &inner).squared;
 }
 
-/* Returns the rounding error of coordinates up to `magnitude` or up to those of the face. */
+/* Returns the rounding error of coordinates up to `magnitude`, or up to the largest coordinate of
+ * the face if that is larger. */
 static double rounding_near(const struct corners *c, double magnitude)
 {
     for (int k = 0; k < 3; k++) magnitude = fmax(magnitude, gd__largest_coordinate(c->p[k]));

@@ -4,9 +4,9 @@
  * A step fills fields of the mesh or of the construction and returns a status. build.c frees
  * everything that a step allocates, also after a failure. Loops over elements count their
  * iterations with the pace (base/pace.h), which checks the control at intervals. If the pace
- * stopped a step, the step may return any status, because build.c returns the status of the pace
- * instead. From gd__order on, vertices and faces have internal numbers (topology.h); errors name
- * the caller's numbers. */
+ * stopped a step, build.c returns the status of the pace, whatever the step returns. In gd__order
+ * and all later steps, vertices and faces have internal numbers (topology.h). Error texts name the
+ * caller's numbers. */
 #ifndef GD_MESH_CONSTRUCTION_H
 #define GD_MESH_CONSTRUCTION_H
 
@@ -29,17 +29,19 @@ struct gd__construction {
     const struct gd_control *control; /* borrowed, may be NULL */
     struct gd_detail *detail;         /* borrowed, may be NULL */
     struct gd__pace pace;             /* pace of all loops over elements */
-    struct gd_mesh *mesh;             /* half-built, owned */
+    struct gd_mesh *mesh;             /* owned; built in part */
 
-    /* Set by weld and repair; NULL and 0 if they change nothing. */
+    /* The next four members are set by weld and repair. They are NULL and 0 if weld and repair
+       change nothing. */
     /* for each input vertex, the vertex into which it was merged, or itself; a union-find forest */
     uint32_t *representative;
     /* the input's polygons with merged vertices; a removed polygon has no corners */
     struct gd_polygons merged;
-    /* for each triangle, its index in the input, ascending; NULL means that repair removed no
+    /* for each triangle that is left, its index in the input, ascending; NULL if repair removed no
        triangle */
     uint32_t *face_index;
-    uint32_t copy_count; /* number of appended vertices; mesh->copy_of has their originals */
+    /* number of vertices that repair appended; mesh->copy_of has the originals of these copies */
+    uint32_t copy_count;
 
     /* mesh->face_count triples of vertex indices; the input's corners, which no step changes, if
        they are triangles and nothing is merged or repaired */
@@ -54,7 +56,7 @@ struct gd__construction {
     struct gd__face_measure *measure; /* for each face */
     double *edge_length;              /* for each edge; normalised unit */
 
-    /* Progress of the build before and after the current step. */
+    /* Progress of the build at the beginning and at the end of the current step. */
     double progress, progress_end;
 };
 

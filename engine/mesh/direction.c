@@ -6,9 +6,9 @@
 /* Directions at a point. The surface around the point consists of sectors in counter-clockwise
  * order. A point in a face has one sector of 2 pi. A point on an edge has two sectors of pi. At a
  * vertex, the corner of each face is a sector. A direction is stored as a sector and an angle in
- * this sector. A turned angle is an angle on the surface, measured from the zero direction. The
- * public interface scales the angles at an interior vertex so that they sum to 2 pi. This file
- * scales them only when it reads or returns them. */
+ * this sector. `turned` is an angle on the surface, measured from the zero direction. The public
+ * interface scales the angles at an interior vertex so that they sum to 2 pi. This file scales them
+ * only when it reads or returns them. */
 
 struct sector {
     uint32_t face;
@@ -23,9 +23,10 @@ struct ring {
     uint32_t first, end; /* numbers of the sectors: fan entries, or 0 and 1 at an edge */
     /* at a vertex: the fan entry with angle 0; on an edge: the side */
     uint32_t zero;
-    /* total angle around the point; on every edge 2 pi, although a boundary edge has one sector */
+    /* total angle around the point; 2 pi at a point of an edge, even at the boundary, where there
+       is only one sector */
     double total;
-    double scale;   /* angle of the public interface, divided by the turned angle */
+    double scale;   /* angle in the public interface, divided by the angle on the surface */
     bool is_closed; /* true if the point is interior */
 };
 
@@ -95,9 +96,9 @@ static struct sector sector_of_side(const struct gd_mesh *mesh, uint32_t side, d
     return (struct sector){mesh->side_face[side], axes.along, axes.across, begin, extent};
 }
 
-/* Returns the sector of a face. It starts in the direction from the input's first corner to the
- * input's second corner. If the face was flipped, this second corner is the internal third
- * corner. */
+/* Returns the sector of a face. It starts in the direction from the first to the second corner that
+ * the input gives for the face. If the face was flipped, the input's second corner is the internal
+ * third corner. */
 static struct sector sector_of_face(const struct gd_mesh *mesh, uint32_t face)
 {
     uint32_t side = mesh->face_side[face][0];
@@ -138,16 +139,17 @@ static struct sector sector_at(const struct ring *ring, uint32_t i)
 struct heading {
     struct sector sector;
     double angle; /* angle in the sector, in [0, extent] */
-    /* angle by which the heading was moved into the sector; INFINITY means no direction */
+    /* angle between the given direction and the sector; 0 if the direction lies in the sector;
+       INFINITY if there is no direction */
     double outside;
-    /* for a heading computed from a vector: squared distance between this vector and the direction,
-       both of length 1 */
+    /* for a heading computed from a vector: squared length of the difference between the vector and
+       the heading, both scaled to length 1 */
     double deviation;
 };
 
 static const struct heading nowhere = {.outside = INFINITY};
 
-/* Adds the multiple of 2 pi that brings the angle nearest to the sector. */
+/* Adds a multiple of 2 pi to the angle, such that the result is nearest to the sector. */
 static double nearest_turn(double angle, double extent)
 {
     return remainder(angle - 0.5 * extent, 2 * M_PI) + 0.5 * extent;
@@ -254,8 +256,8 @@ static struct heading mesh_direction_project(const struct sector *sector, struct
     return heading;
 }
 
-/* Returns true if a is better than b. A direction inside its sector is better than one outside. If
- * both are inside, the direction that turns the vector less is better. */
+/* Returns true if a approximates the given vector better than b. A heading inside its sector is
+ * better than one outside. If both are inside, the heading with the smaller deviation is better. */
 static bool mesh_direction_is_better(const struct heading *a, const struct heading *b)
 {
     bool a_inside = a->outside <= GD_TOL_BETTER, b_inside = b->outside <= GD_TOL_BETTER;

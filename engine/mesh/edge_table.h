@@ -7,21 +7,23 @@
 
 #include "base/pace.h"
 
-/* A side of a face, as an entry of its edge. */
+/* A side of a face, as an entry in the list of its edge. */
 struct gd__edge_use {
     uint32_t high; /* the edge's higher vertex */
-    uint32_t side; /* 3 face + k, from corner k to k + 1 */
+    uint32_t side; /* 3 face + k: side k of the face, from corner k to corner k + 1 */
 };
 
 struct gd__edge_table {
     uint32_t vertex_count;
-    uint32_t *first; /* index in `use`, per lower vertex; vertex_count + 1 entries */
+    /* for each vertex, index in `use` of the first side whose lower vertex it is; vertex_count + 1
+       entries */
+    uint32_t *first;
     /* 3 face_count entries; those of each lower vertex are sorted by higher vertex, then by side */
     struct gd__edge_use *use;
 };
 
 /* Groups the sides of `face_count` triangles over `vertex_count` vertices. Linear time, except for
- * sorting each bucket. GD_NO_MEMORY, and the status of the pace. The caller frees the table by
+ * sorting each bucket. Errors: GD_NO_MEMORY, and those of the pace. The caller frees the table by
  * gd__edge_table_free, which also accepts a zeroed table. */
 enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count,
                                      uint32_t vertex_count, struct gd__pace *pace,
@@ -32,7 +34,7 @@ void gd__edge_table_free(struct gd__edge_table *table);
  * with `low` = v and `begin` = table->first[v]. */
 struct gd__edge_run {
     uint32_t low, high;    /* vertices of the edge */
-    uint32_t begin, count; /* range in table->use */
+    uint32_t begin, count; /* the edge's sides are table->use[begin, begin + count) */
 };
 
 /* Advances to the next edge, in order of (low, high). Returns false at the end. */

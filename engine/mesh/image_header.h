@@ -1,5 +1,5 @@
-/* Image header: the first bytes of every binary image that belongs to a mesh. They identify the
- * image's kind, its layout and the mesh. */
+/* Image header: the first bytes of every binary image of data that belongs to a mesh (for example
+ * of a field). They identify the kind of data, its layout and the mesh. */
 #ifndef GD_MESH_IMAGE_HEADER_H
 #define GD_MESH_IMAGE_HEADER_H
 
@@ -9,7 +9,7 @@ struct gd__image_header {
     char magic[8];
     /* version of the layout and of the internal numbering of meshes */
     uint32_t version;
-    uint32_t byte_order;  /* 0x01020304, if the machine has the byte order of the writer */
+    uint32_t byte_order;  /* 0x01020304; another value if the writer had another byte order */
     uint64_t fingerprint; /* identifies the mesh */
 };
 
@@ -17,8 +17,9 @@ struct gd__image_header {
 struct gd__image_header gd__image_header(const struct gd_mesh *mesh, const char magic[8],
                                          uint32_t version);
 
-/* Checks the header of an image of this mesh. Errors: GD_UNRECOGNIZED (another kind, version or
- * byte order), GD_INVALID_ARGUMENT (another mesh). `detail` may be NULL. O(mesh). */
+/* Checks the header of an image of this mesh. Errors: GD_UNRECOGNIZED (the kind, version or byte
+ * order differs), GD_INVALID_ARGUMENT (the image belongs to another mesh). `detail` may be NULL.
+ * O(mesh). */
 GD_MUST_USE enum gd_status gd__image_header_check(const struct gd_mesh *mesh,
                                                   const struct gd__image_header *image_header,
                                                   const char magic[8], uint32_t version,

@@ -1,5 +1,5 @@
-/* Local: points in the plane of a face, in the frame of one of its sides (topology.h). Normalised
- * unit. */
+/* Local coordinates: points in the plane of a face, in the frame of one of its sides (topology.h).
+ * Normalised unit. */
 #ifndef GD_MESH_LOCAL_H
 #define GD_MESH_LOCAL_H
 
@@ -26,7 +26,7 @@ static inline double gd__local_cross(struct gd__local a, struct gd__local b)
     return a.x * b.y - a.y * b.x;
 }
 
-/* Converts from the barycentric coordinates of the side's destination and apex. */
+/* Converts a point from its barycentric coordinates at the side's destination and apex. */
 static inline struct gd__local gd__side_local(const struct gd_side *s, double destination,
                                               double apex)
 {
@@ -34,15 +34,16 @@ static inline struct gd__local gd__side_local(const struct gd_side *s, double de
                               apex * s->left_length * s->left_y};
 }
 
-/* Converts from the barycentric coordinates of the corners, the side's origin first. */
+/* Converts a point from its barycentric coordinates at the three corners. The first corner is the
+ * side's origin. */
 static inline struct gd__local gd__face_local(const struct gd_mesh *mesh, uint32_t side,
                                               const double weight[3])
 {
     return gd__side_local(&mesh->side[side], weight[1], weight[2]);
 }
 
-/* Returns which of a face's three sides lies on an edge; 0 if none does. Branchless, because the
- * branch is unpredictable. */
+/* Returns the index of the face's side that lies on the edge, or 0 if none does. Branchless,
+ * because the branch is unpredictable. */
 static inline int gd__place_of_edge(const uint32_t side[3], uint32_t edge)
 {
     return (side[1] >> 1 == edge) + 2 * (side[2] >> 1 == edge);
@@ -54,13 +55,13 @@ static inline int gd__place_of_side(const uint32_t sides[3], uint32_t side)
     return (sides[1] == side) + 2 * (sides[2] == side);
 }
 
-/* Like gd__point_weights, for a vertex or a point inside a face. */
+/* Like gd__point_weights, but only for a vertex or a point inside a face. */
 void gd__point_weights_off_edges(const struct gd_mesh *mesh, const struct gd_point *point,
                                  uint32_t face, double weight[3]);
 
-/* Computes the barycentric coordinates of a point in a face that contains it, by corner (corner 0
- * is the origin of face_side[0]). All are 0 in a face that does not contain the point. Branchless
- * for a point of an edge, because the edge's side and orientation are unpredictable. */
+/* Computes the barycentric coordinates of a point in a face that contains it, one for each corner
+ * (corner 0 is the origin of face_side[0]). All are 0 in a face that does not contain the point.
+ * Branchless for a point of an edge, because the edge's side and orientation are unpredictable. */
 static inline void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point,
                                      uint32_t face, double weight[3])
 {
@@ -86,9 +87,9 @@ static inline int gd__main_corner(const double weight[3])
     return weight[2] > weight[k] ? 2 : k;
 }
 
-/* Returns the vector between two points of a face, from their weights, in the frame of the side
- * that begins at corner k. The corner's own weights are not used. So for two points near the corner
- * the vector has full precision, however short it is. */
+/* Returns the vector between two points of a face in the frame of the side that begins at corner k.
+ * Computes it from the points' barycentric weights, except those of corner k. So the vector between
+ * two points near this corner has full precision, however short it is. */
 static inline struct gd__local gd__leg_key_in_face(const struct gd_mesh *mesh, uint32_t face, int k,
                                                    const double from[3], const double to[3])
 {

@@ -41,8 +41,8 @@ static void visit_face(struct gd__bvh_search *search, uint32_t face)
 }
 
 /* Converts a point to the normalised unit. If the square of a coordinate would overflow, moves the
- * point towards the origin. At such a distance, rounding makes all points of the surface equally
- * near, so the move does no harm. */
+ * point towards the origin. At such a distance, all points of the surface are equally near up to
+ * rounding, so the move does not change the result. */
 static struct gd_vec3 bring_inside(const struct gd_mesh *mesh, struct gd_vec3 xyz)
 {
     double largest = gd__largest_coordinate(xyz);

@@ -34,9 +34,9 @@ static void visit_neighbours(struct search *search, uint32_t face, bool *contrad
     }
 }
 
-/* Counts the faces in the queue from `begin` on that are marked as flipped. If they are more than
- * half, inverts all marks, so that only the minority is flipped. Returns the number of flipped
- * faces. */
+/* Counts the faces in the queue from `begin` on that are marked as flipped. If these are more than
+ * half of the faces, inverts all marks, so that at most half of the faces are flipped. Returns the
+ * number of flipped faces. */
 static uint32_t side_with_majority(const struct search *search, uint32_t begin)
 {
     uint8_t *flipped = search->o->flipped;

@@ -11,8 +11,9 @@ struct gd_point gd__point_of_vertex(uint32_t vertex)
     return (struct gd_point){.kind = GD_POINT_VERTEX, .element = vertex};
 }
 
-/* Returns a point of an edge. `rest` is 1 - t, minus the weight of the third corner if the caller
- * drops that corner. The smaller of t and rest is more precise and determines the point. */
+/* Returns a point of an edge. `rest` is 1 - t. If the caller ignores a small weight of the face's
+ * third corner, `rest` is 1 - t minus that weight. The smaller of t and rest is more precise, so it
+ * determines the point. */
 static struct gd_point of_edge(const struct gd_mesh *mesh, uint32_t edge, double t, double rest,
                                double border)
 {
@@ -33,7 +34,8 @@ static struct gd_point of_face(const struct gd_mesh *mesh, uint32_t face, const 
     }
     for (int k = 0; k < 3; k++) {
         if (weight[k] > border) continue;
-        /* on the side opposite to corner k; the parameter is the weight of the end of side 0 */
+        /* The point is on the side opposite to corner k. Its parameter is the weight of the end of
+           the edge's side 0. */
         uint32_t h = side[(k + 1) % 3], end = h % 2 ? 1 : 2;
         return of_edge(mesh, h / 2, weight[(k + end) % 3], weight[(k + 3 - end) % 3], border);
     }
@@ -177,8 +179,8 @@ static inline struct gd_vec3 input_position(const struct gd_mesh *mesh, uint32_t
     return mesh->input_position[mesh->index_of_vertex[vertex]];
 }
 
-/* Adds multiples of edge vectors to one corner. So if all corners have the same x, y or z, the
- * point has exactly this coordinate. */
+/* Computes the position by adding a multiple of the edge vector to one end. So if both ends have
+ * the same x, y or z, the position has exactly this coordinate. */
 static inline struct gd_vec3 position_on_edge(const struct gd_mesh *mesh, uint32_t edge, double t)
 {
     struct gd_vec3 a = input_position(mesh, mesh->origin[2 * edge]);

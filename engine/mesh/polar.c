@@ -4,8 +4,8 @@
 
 #include "base/tolerance.h"
 
-/* Handles a point of an edge that ends in the vertex. The edge's outgoing side has no face if it is
- * the last side of a boundary fan. */
+/* Handles a point of an edge that ends at the vertex. The edge's outgoing side has no face if it is
+ * the last side of the fan of a boundary vertex. */
 static bool about_end_of_edge(const struct gd_mesh *mesh, const struct gd_point *point,
                               uint32_t vertex, struct gd__polar *out)
 {

@@ -2,8 +2,8 @@
  * angle in the vertex' fan.
  *
  * They are precise for a point close to the vertex. The radius is computed from the small
- * barycentric coordinates, and the angle is as precise as the angles of the fan. If they were
- * computed from the difference of two positions, both would lose precision. Normalised unit. */
+ * barycentric coordinates, and the angle is as precise as the angles of the fan. A radius and an
+ * angle computed from the difference of two positions would be less precise. Normalised unit. */
 #ifndef GD_MESH_POLAR_H
 #define GD_MESH_POLAR_H
 
@@ -11,9 +11,11 @@
 
 struct gd__polar {
     uint32_t vertex;
-    uint32_t entry; /* entry of mesh->fan: the face that contains the point */
+    uint32_t entry; /* entry of mesh->fan whose face contains the point */
     double radius;
-    double angle; /* from the fan's first entry; in the range of the face of `entry` */
+    /* from the fan's first entry; between the angles at which the face of `entry` begins and
+       ends */
+    double angle;
 };
 
 /* Computes the polar coordinates of a point about a vertex. Returns false if no face of the vertex
@@ -22,14 +24,14 @@ bool gd__polar_about(const struct gd_mesh *mesh, const struct gd_point *point, u
                      struct gd__polar *out);
 
 /* Computes the polar coordinates of a point about the vertex that it is beside. The vertex must be
- * nearer than GD_TOL_BESIDE_VERTEX times the least altitude of its faces. So every ray from the
- * point crosses the vertex' edges far from their other ends. Returns false if there is no such
+ * nearer than GD_TOL_BESIDE_VERTEX times the least altitude of its faces. So a ray from the point
+ * crosses edges of the vertex only far from their other ends. Returns false if there is no such
  * vertex. O(degree), and O(1) for points in the middle of their face. */
 bool gd__polar_beside(const struct gd_mesh *mesh, const struct gd_point *point,
                       struct gd__polar *out);
 
-/* Returns the position of a point in the plane of a fan entry's face, whose side lies on the x
- * axis. `turn` is the angle from that side to the point, which may lie outside the face. */
+/* Returns the position of a point in the plane of a fan entry's face. The entry's side lies on the
+ * x axis. `turn` is the angle from this side to the point. The point may lie outside the face. */
 static inline struct gd__local gd__polar_place(const struct gd__polar *polar, double turn)
 {
     return (struct gd__local){polar->radius * cos(turn), polar->radius * sin(turn)};

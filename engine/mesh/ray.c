@@ -34,8 +34,8 @@ static struct sheared shear(const struct ray *ray, uint32_t vertex)
     return (struct sheared){p.x - d.x * d.z * p.z, p.y - d.y * d.z * p.z, d.z * p.z};
 }
 
-/* Returns twice the signed area between the ray, a and b. Swapping a and b changes exactly the
- * sign. */
+/* Returns twice the signed area between the ray, a and b. If a and b are exchanged, the result
+ * changes its sign and nothing else, even in the last bit. */
 static double mesh_ray_area(struct sheared a, struct sheared b)
 {
     return a.x * b.y - a.y * b.x;
@@ -61,8 +61,9 @@ struct crossing {
     double weight[3];
 };
 
-/* Returns where the ray meets side k of the face; z is NaN if it does not. If the side lies along
- * the ray, returns its point nearest to the origin. */
+/* Returns the point where the ray meets side k of the face. z is NaN if the ray does not meet the
+ * side. If the side lies along the ray, returns the side's point that is nearest to the ray's
+ * origin. */
 static struct crossing cross_side(const struct ray *ray, const struct sheared p[3], int k)
 {
     struct sheared a = p[k], b = p[(k + 1) % 3];
@@ -76,7 +77,7 @@ static struct crossing cross_side(const struct ray *ray, const struct sheared p[
     return crossing;
 }
 
-/* Handles a face whose plane contains the ray. The ray runs in the face between the first and the
+/* Handles a face whose plane contains the ray. The ray is in the face between its first and its
  * last crossing of the face's border. The origin of the ray may lie in the face. */
 static void offer_edge_on(struct ray *ray, uint32_t face, const struct sheared p[3])
 {
@@ -110,9 +111,9 @@ static void visit_face(struct gd__bvh_search *search, uint32_t face)
     mesh_ray_offer(ray, face, weight[0] * p[0].z + weight[1] * p[1].z + weight[2] * p[2].z, weight);
 }
 
-/* Clips [*enter, *leave] to the part of the ray where one of its coordinates is between min and
- * max. 0 times infinity is NaN. Every comparison with NaN is false, so in this case the coordinate
- * does not limit the range. */
+/* Clips the range [*enter, *leave] of the ray's parameter to the part where one coordinate is
+ * between min and max. If the computation multiplies 0 by infinity, the result is NaN. Every
+ * comparison with NaN is false, so the coordinate does not limit the range then. */
 static void clip_slab(double min, double max, double origin, double inverse, double *enter,
                       double *leave)
 {

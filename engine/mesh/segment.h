@@ -7,12 +7,13 @@
 /* Returns true if the point lies in the face or on its border. */
 bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point);
 
-/* Returns a face that contains both points, in which the shortest path between them is straight, or
- * GD_NONE if there is none. Walks the fan of a vertex only if both points are vertices. */
+/* Returns a face that contains both points, so that the straight segment in the face is their
+ * shortest path. Returns GD_NONE if there is none. Walks the fan of a vertex only if both points
+ * are vertices. */
 uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p,
                          const struct gd_point *q);
 
-/* Returns the edge on which both points may lie; GD_NONE means that no edge can contain both. Walks
+/* Returns the only edge on which both points can lie, or GD_NONE if no edge can contain both. Walks
  * the fan of a vertex if both points are vertices. */
 uint32_t gd__edge_between(const struct gd_mesh *mesh, const struct gd_point *a,
                           const struct gd_point *b);
@@ -20,7 +21,7 @@ uint32_t gd__edge_between(const struct gd_mesh *mesh, const struct gd_point *a,
 /* Location of a segment: along an edge, or across a face. */
 struct gd__segment_location {
     uint32_t edge; /* GD_NONE if not along an edge */
-    uint32_t face; /* GD_NONE means along an edge */
+    uint32_t face; /* GD_NONE if along an edge */
 };
 
 /* Returns the common face of two different edges, from their sides alone, or GD_NONE if there is
@@ -38,9 +39,10 @@ static inline uint32_t gd__face_of_edges(const struct gd_mesh *mesh, uint32_t p,
 bool gd__segment_locate_elsewhere(const struct gd_mesh *mesh, const struct gd_point *a,
                                   const struct gd_point *b, struct gd__segment_location *out);
 
-/* Locates the segment from a to b. Returns false and leaves `out` unchanged if a and b are one
- * point or no face contains both. O(1); O(fan) between vertices. Only the case of two points on
- * different edges is inline, because most segments of a curve are of this kind. */
+/* Finds the edge or the face of the segment from a to b. Returns false and leaves `out` unchanged
+ * if a and b are the same point or no face contains both. O(1); O(fan) between vertices. Only the
+ * case of two points on different edges is inline, because most segments of a curve are of this
+ * kind. */
 static inline bool gd__segment_locate(const struct gd_mesh *mesh, const struct gd_point *a,
                                       const struct gd_point *b, struct gd__segment_location *out)
 {
@@ -68,7 +70,7 @@ struct gd__chord gd__chord(const struct gd_mesh *mesh, uint32_t face, int k,
 void gd__chords(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *a,
                 const struct gd_point *b, struct gd__chord out[3]);
 
-/* Returns the position along the chord of the perpendicular foot of a point. */
+/* Returns the position along the chord of the foot of the perpendicular from a point. */
 static inline double gd__chord_foot(const struct gd__chord *chord, struct gd__local at)
 {
     return (at.x - chord->from.x) * chord->along.x + (at.y - chord->from.y) * chord->along.y;

@@ -9,8 +9,8 @@ static bool is_in_face(const struct gd_mesh *mesh, const struct gd_point *point,
     return face != GD_NONE && gd__face_contains(mesh, face, point);
 }
 
-/* Returns the angle of a direction at a point of a face, in the frame of `side`. Differences of
- * weights keep small vectors precise. */
+/* Returns the angle of a direction at a point of a face, in the frame of `side`. Computes the
+ * direction from differences of weights, because these are precise for short vectors. */
 static double angle_in_face(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *at,
                             const struct gd_point *to)
 {

@@ -1,9 +1,10 @@
-/* Topology: the internal mesh, built by folders mesh, repair and construction and read by all later
- * folders.
+/* Topology: the internal mesh. The rooms mesh, repair and construction build it. All later rooms
+ * read it.
  *
- * Elements have internal numbers: vertices and faces in Morton order of their positions (neighbours
- * share cache lines), edges in order of first use by the faces. Each edge exists once. 2e and 2e+1
- * are its two sides; h ^ 1 is the other side of h.
+ * Elements have internal numbers. Vertices and faces are numbered in the Morton order of their
+ * positions, so that neighbours share cache lines. Edges are numbered in the order in which the
+ * faces first use them. Each edge exists once. 2e and 2e+1 are its two sides; h ^ 1 is the other
+ * side of h.
  *
  * Frame of side h: origin vertex at (0,0), destination at (length,0), the side's face at y > 0. A
  * face runs counter-clockwise along its three sides. A side without a face is a boundary side; its
@@ -26,10 +27,11 @@
 /* All data for a propagation across the side's face, in one cache line. p is the apex, the corner
  * opposite to the side. */
 struct gd_side {
-    double length;                    /* length of the edge */
-    double left_length, right_length; /* |origin p|, |p destination| */
-    double left_x, left_y;            /* unit vector origin -> p in the side's frame */
-    double right_x, right_y;          /* unit vector p -> destination */
+    double length; /* length of the edge */
+    /* lengths of the edges from the origin to p, and from p to the destination */
+    double left_length, right_length;
+    double left_x, left_y;   /* unit vector from the origin to p, in the side's frame */
+    double right_x, right_y; /* unit vector from p to the destination */
     /* The sides in the neighbouring faces across the other two edges of this face: `left` runs from
      * the origin to p, `right` from p to the destination. Each is the opposite of a side of this
      * face. Both are GD_NONE at the boundary. */
@@ -49,13 +51,14 @@ struct gd_fan {
     /* angle at which the face begins, from the first entry's side; at a boundary vertex that side
      * is a boundary edge */
     double angle;
-    uint32_t side; /* outgoing side of this face */
+    uint32_t side; /* the side of this face that begins at the vertex */
     uint32_t tip;  /* vertex at the other end of `side` */
 };
 
 struct gd_component {
     uint32_t faces, vertices, edges, boundaries;
-    double grain; /* mean, over its faces, of the shortest edge; normalised unit */
+    /* mean, over the component's faces, of each face's shortest edge; normalised unit */
+    double grain;
 };
 
 struct gd_bvh; /* bvh.h */
@@ -74,36 +77,42 @@ struct gd_mesh {
     uint32_t *vertex_component;
     uint32_t *fan_first; /* for each vertex, its first entry in `fan`; vertex_count + 1 entries */
     struct gd_fan *fan;  /* 3 face_count entries */
-    /* for each fan entry, the corner behind the edge opposite to the vertex; GD_NONE at a boundary
-       edge */
+    /* for each fan entry: let e be the edge of its face opposite to the vertex; the entry is the
+       apex of the face on the other side of e, or GD_NONE if e is a boundary edge */
     uint32_t *beyond;
 
     struct gd_side *side; /* 2 edge_count entries, 64-byte aligned */
-    uint32_t *origin;     /* per side; destination = origin[h ^ 1] */
-    uint32_t *side_face;  /* per side; GD_NONE at the boundary */
-    uint32_t *side_fan;   /* for each side with a face, its entry in `fan` */
-    /* for each face, side k runs from corner k to corner k+1; corner 0 is the input's corner 0 */
+    /* for each side, its origin; the destination of side h is origin[h ^ 1] */
+    uint32_t *origin;
+    uint32_t *side_face; /* per side; GD_NONE at the boundary */
+    /* for each side with a face, the index in `fan` of the entry that has this side */
+    uint32_t *side_fan;
+    /* for each face, its sides; side k runs from corner k to corner k + 1, and corner 0 is the
+       input's corner 0 */
     uint32_t (*face_side)[3];
 
     struct gd_component *component;
     struct gd_boundary *boundary; /* in the unit of the input */
     uint32_t *boundary_side;      /* for each loop, one of its boundary sides */
 
-    /* numbering */
-    /* index_count entries: input index -> vertex, GD_NONE if unreferenced */
+    /* numbering of the input */
+    /* index_count entries: for each input index, its vertex, or GD_NONE if no face uses it */
     uint32_t *vertex_of_index;
     uint32_t *index_of_vertex;
-    /* face_index_count entries: input triangle -> face, GD_NONE if repair removed it */
+    /* face_index_count entries: for each input triangle, its face, or GD_NONE if repair removed
+       it */
     uint32_t *face_of_index;
     uint32_t *index_of_face;
     /* for each face, 1 if corners 1 and 2 are swapped relative to the input */
     uint8_t *face_flipped;
-    uint32_t *source_polygon; /* per input triangle; NULL if the input had only triangles */
+    /* for each input triangle, the input polygon that it is part of; NULL if the input had only
+       triangles */
+    uint32_t *source_polygon;
     /* for each input index, the exact position given by the caller */
     struct gd_vec3 *input_position;
 
     struct gd_mesh_repair *repair; /* NULL without repair and weld */
-    /* per vertex index appended by repair: the input index of its original; may be NULL */
+    /* for each vertex that repair appended, the input index of its original; may be NULL */
     uint32_t *copy_of;
 
     struct gd_bvh *bvh;
@@ -150,8 +159,8 @@ static inline uint32_t gd__neighbour(const struct gd_mesh *mesh, uint32_t vertex
                                                 : gd__side_apex(mesh, mesh->fan[number - 1].side);
 }
 
-/* Returns 1 - t for a point of an edge, with full precision. Points that older versions stored
- * contain only t. */
+/* Returns 1 - t for a point of an edge, with full precision. In points that an older version has
+ * stored, 1 - t is missing and is computed from t. */
 static inline double gd__edge_rest(const struct gd_point *point)
 {
     return point->weight[1] > 0 ? point->weight[1] : 1 - point->weight[0];

@@ -1,6 +1,6 @@
-/* Triangle: lengths, area and shape of one face. Scaling by a power of two does not change the
- * rounding errors. So a shape is the same to the last bit before and after the mesh is scaled to
- * the normalised unit. */
+/* Triangle: lengths, area and shape of one face. Scaling by a power of two does not change relative
+ * rounding errors. So the computed shape is the same, to the last bit, before and after the mesh is
+ * scaled to the normalised unit. */
 #ifndef GD_MESH_TRIANGLE_H
 #define GD_MESH_TRIANGLE_H
 
@@ -11,7 +11,7 @@
 struct gd__triangle {
     struct gd_vec3 edge[3]; /* edge k runs from corner k to corner k + 1 */
     double length[3];
-    uint32_t longest; /* number of the longest edge */
+    uint32_t longest; /* index in `edge` of the longest edge */
     double double_area;
 };
 

@@ -4,8 +4,8 @@
 
 #include <stdint.h>
 
-/* Returns the representative of i. parent[i] <= i; a root is its own parent. Shortens the path to
- * the root by path halving. */
+/* Returns the representative of i. parent[i] <= i, and a root is its own parent. Shortens the path
+ * to the root by path halving. */
 static inline uint32_t gd__union_find_root(uint32_t *parent, uint32_t i)
 {
     while (parent[i] != i) {
