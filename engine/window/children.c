@@ -39,14 +39,14 @@ enum gd_status gd__children_grow(struct gd__children *children, struct gd__pool 
 
 /* --- sorting ---------------------------------------------------------------------------------- */
 
-/* Number of sorted windows before the first tangled (unsorted) one that are sorted together with
- * it. A window rarely belongs farther back. */
+/* The tangled (unsorted) windows are sorted together with this number of sorted windows before
+ * them. An unsorted window rarely belongs farther back. */
 #define BEFORE_TANGLE 4
 
 /* Sorts windows [base, count) into scratch->stack[0]. The windows before children->tangled are
- * already sorted. Stops at the first window behind the last tangled one that overlaps no window
- * before it. *rest is the number of that window; it and the windows behind it stay unchanged.
- * Returns false if a window belongs before `base`. */
+ * already sorted. Stops at the first window after the last tangled one that overlaps no earlier
+ * window. *rest is the index of this window. This window and all later ones stay unchanged. Returns
+ * false if a window belongs before `base`. */
 static bool untangle_from(const struct gd__children *children, uint32_t base, double min_width,
                           struct gd__scratch *scratch, uint32_t *rest, enum gd_status *status)
 {
@@ -71,8 +71,8 @@ static bool untangle_from(const struct gd__children *children, uint32_t base, do
     return true;
 }
 
-/* Writes the sorted windows from index `base` on, and the unchanged windows from `rest` on behind
- * them. */
+/* Writes the sorted windows to the children from index `base` on, followed by the unchanged windows
+ * from `rest` on. */
 static enum gd_status children_put_back(struct gd__children *children, struct gd__pool *pool,
                                         uint32_t base, uint32_t rest, struct gd__scratch *scratch)
 {

@@ -1,12 +1,12 @@
-/* Children: windows that are cast to a side and not yet in the side's list. A block is memory of a
- * pool that holds the windows of children or of a list. */
+/* Children: windows that were cast to a side and are not yet in the side's list. A block is memory
+ * from a pool. It holds the windows of children or of a list. */
 #ifndef GD_WINDOW_CHILDREN_H
 #define GD_WINDOW_CHILDREN_H
 
 #include "base/pool.h"
 #include "window/stack.h"
 
-/* Scratch of a propagation, shared by all lists. */
+/* Scratch memory of a propagation, which all lists share. */
 struct gd__scratch {
     struct gd__stack stack[3];
     struct gd__window_builder tail;
@@ -15,23 +15,23 @@ struct gd__scratch {
 
 void gd__scratch_destroy(struct gd__scratch *scratch);
 
-/* Item size of the pool of blocks. */
+/* Size of an item of the pool from which blocks are taken. */
 #define GD__LIST_POOL_ITEM ((size_t)GD__WINDOWS_GROUP * GD__WINDOWS_BYTES)
 
-/* Returns the arrays in a block of that class. */
+/* Returns the arrays in a block of that size class. */
 static inline struct gd__windows gd__block_windows(void *block, uint32_t size_class)
 {
     return gd__windows_at(block, GD__WINDOWS_GROUP * gd__pool_items(size_class));
 }
 
 /* Replaces a block by one with room for `windows` windows. Copies the first `kept` windows and
- * releases the old block (may be NULL). Errors: GD_NO_MEMORY, GD_BUDGET. */
+ * releases the old block, which may be NULL. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__block_enlarge(void **block, uint8_t *size_class,
                                              struct gd__pool *pool, uint32_t windows,
                                              uint32_t kept);
 
-/* Windows before `tangled` are sorted and disjoint. Later windows may overlap in any way until
- * gd__children_sort. A struct that is all zero is empty. */
+/* Windows before `tangled` are sorted and disjoint. Later windows may be in any order and may
+ * overlap, until gd__children_sort is called. A struct that is all zero has no windows. */
 struct gd__children {
     void *block; /* NULL means no block */
     struct gd__windows at;
@@ -41,12 +41,13 @@ struct gd__children {
     uint8_t size_class;
 };
 
-/* Makes room for `count` windows and one group behind them. Keeps the first `kept` windows. Errors:
- * GD_NO_MEMORY, GD_BUDGET. */
+/* Makes room for `count` windows, and for one group (windows.h) behind them. Keeps the first `kept`
+ * windows. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__children_grow(struct gd__children *children, struct gd__pool *pool,
                                              uint32_t count, uint32_t kept);
 
-/* Allocates the block of children that have none, with room as by gd__children_grow. */
+/* Allocates a block for children without a block. It has the same room as after
+ * gd__children_grow. */
 GD_MUST_USE static inline enum gd_status gd__children_open(struct gd__children *children,
                                                            struct gd__pool *pool, uint32_t count)
 {
@@ -66,7 +67,7 @@ static inline void gd__children_close(struct gd__children *children, struct gd__
     children->block = NULL;
 }
 
-/* Sorts the windows and makes them disjoint by pushing the windows from `tangled` on one by one.
+/* Sorts the windows and makes them disjoint. Pushes the windows from `tangled` on one by one.
  * Errors: GD_NO_MEMORY, GD_BUDGET. O(n), except for rare windows that belong far back. */
 GD_MUST_USE enum gd_status gd__children_sort(struct gd__children *children, struct gd__pool *pool,
                                              double min_width, struct gd__scratch *scratch);

@@ -12,9 +12,9 @@
 
 #define BISECTIONS 60
 
-/* The window that gives the strictly shorter distance at a point. A tie at one point does not
- * decide an interval. At a point far from two neighbouring sources, both are equally distant up to
- * rounding, although one of them is nearer to other points of the interval. */
+/* The window that gives the strictly shorter distance at a point. A tie at a point does not mean a
+ * tie on the whole interval. If the point is far from two neighbouring sources, both distances are
+ * equal up to rounding, although one source may be nearer to other points of the interval. */
 enum winner { CHALLENGER = -1, TIE = 0, OWNER = 1 };
 
 /* Branchless, because a branch would be mispredicted half of the time. */
@@ -35,8 +35,8 @@ static double clamp(double t, double lo, double hi)
 }
 
 /* Returns half the difference of the squared distances to both sources at t, and a bound on its
- * rounding error. The difference is computed as a sum of two products, whose factors do not suffer
- * from cancellation. */
+ * rounding error. The difference is computed as a sum of two products. The factors of these
+ * products lose no digits by cancellation. */
 static double square_difference_at(const struct gd__window *c, const struct gd__window *o, double t,
                                    double *scale)
 {
@@ -85,8 +85,9 @@ static struct gd__contest_result settle_linear_tie(const struct gd__window *c,
     return all_to(last.winner);
 }
 
-/* Contests (compares, see contest.h) windows of equal sigma. The bisector is a line. Its root needs
- * no square root, and is robust where D cancels. */
+/* Contests (compares, see contest.h) two windows of equal sigma. Their bisector is a line. Its
+ * crossing with the edge is computed without a square root, and is precise even where D loses
+ * digits by cancellation. */
 static struct gd__contest_result contest_equal(const struct gd__window *c,
                                                const struct gd__window *o, double lo, double hi)
 {
@@ -95,7 +96,8 @@ static struct gd__contest_result contest_equal(const struct gd__window *c,
     return at_lo.winner == at_hi.winner ? all_to(at_lo.winner) : split_linearly(at_lo, at_hi);
 }
 
-/* Improves t by one guarded Newton step on D. Returns false if t is not a root of D. */
+/* Improves the root t by one step of Newton's method on D, if the step is safe. Returns false if t
+ * is not a root of D. */
 static bool polish(const struct gd__window *c, const struct gd__window *o, double k, double lo,
                    double hi, double *t)
 {
@@ -111,9 +113,9 @@ static bool polish(const struct gd__window *c, const struct gd__window *o, doubl
     return true;
 }
 
-/* The squared equation in u = t - lo, so that coefficients stay small near a close source. A root
- * is numerator / denominator; there is no root if the quotient is not finite. p u + q is the linear
- * form that selects the branch. */
+/* The squared equation in u = t - lo. With u instead of t, the coefficients are small if a source
+ * is close to the interval. Each root is numerator / denominator; if this quotient is not finite,
+ * there is no such root. The sign of p u + q determines the branch of the hyperbola. */
 struct squared {
     double numerator[2], denominator[2], p, q;
     bool has_roots;
@@ -134,7 +136,7 @@ static struct squared square(const struct gd__window *c, const struct gd__window
                             .has_roots = !(discriminant < -GD_TOL_DISCRIMINANT * b * b)};
 }
 
-/* Returns true if n / d lies in (0, span) and on the branch. Does not divide. */
+/* Returns true if n / d lies in (0, span) and on the branch. Compares without a division. */
 static bool is_on_branch(const struct squared *s, double n, double d, double span, double sign,
                          double least)
 {
@@ -143,7 +145,7 @@ static bool is_on_branch(const struct squared *s, double n, double d, double spa
     return (s->p * up + s->q * size) * sign >= least * size;
 }
 
-/* Sorts up to two roots. Two roots that lie too close together count as one. Returns the number of
+/* Sorts up to two roots. Two roots that are too close together count as one. Returns the number of
  * roots. */
 static int sort_roots(double root[2], int count, double span)
 {
@@ -183,7 +185,8 @@ static double slope_at(const struct gd__window *w, double t)
     return gd__window_is_linear(w) ? -w->x : d / sqrt(d * d + w->y * w->y);
 }
 
-/* Improves a candidate by one guarded Newton step on D. Returns false if it is not a root. */
+/* Improves a candidate for a root by one step of Newton's method on D, if the step is safe. Returns
+ * false if the candidate is not a root. */
 static bool settle_root(const struct gd__window *c, const struct gd__window *o, double lo,
                         double hi, double *t)
 {
@@ -197,9 +200,10 @@ static bool settle_root(const struct gd__window *c, const struct gd__window *o, 
     return true;
 }
 
-/* Computes the roots for a linear window against a point source. In u = t - lo, the line's distance
- * minus the point's sigma is a - x u, and the point is at p. The equation is (u - p)^2 + y^2 = (a -
- * x u)^2, where 1 - x^2 is the square of the line's y. */
+/* Computes the roots for a linear window and the window of a point source. Let u = t - lo. The
+ * distance of the linear window minus the point's sigma is a - x u. The point is at (p, -y). The
+ * equation is (u - p)^2 + y^2 = (a - x u)^2. The vector (x, y) of the linear window has length
+ * 1. */
 static int roots_of_line(const struct gd__window *line, const struct gd__window *point, double lo,
                          double hi, double root[2])
 {
@@ -219,7 +223,7 @@ static int roots_of_line(const struct gd__window *line, const struct gd__window 
 }
 
 /* The functions below are compiled twice: with `linear`, for windows that may be linear, and
- * without it, for point sources, which are far more frequent. */
+ * without it, for windows of point sources only, which are far more frequent. */
 #define BOTH_KINDS static inline __attribute__((always_inline))
 
 /* Computes the roots of D in (lo, hi), in increasing order. Returns their number. */
@@ -236,7 +240,7 @@ BOTH_KINDS int roots_of(const struct gd__window *c, const struct gd__window *o, 
 }
 
 /* Returns the magnitude that determines the rounding error of a distance. The distance of a linear
- * window is a difference of larger terms. */
+ * window is a difference of terms that may be larger than the distance. */
 static double size_at(const struct gd__window *w, double t, double distance)
 {
     return gd__window_is_linear(w) ? fabs(w->sigma) + fabs(w->x * t) : distance;
@@ -258,8 +262,8 @@ BOTH_KINDS enum winner winner_at(const struct gd__window *c, const struct gd__wi
     return winner_of(difference, scale);
 }
 
-/* Finds by bisection where the winner changes. The caller uses bisection if the winner changes
- * exactly once and the quadratic equation is too ill-conditioned. */
+/* Returns the parameter at which the winner changes, found by bisection. The caller uses bisection
+ * if the winner changes exactly once and the quadratic equation is too ill-conditioned. */
 BOTH_KINDS double bisect(const struct gd__window *c, const struct gd__window *o, double lo,
                          double hi, enum winner at_lo, bool linear)
 {
@@ -282,7 +286,7 @@ static bool may_turn(const struct gd__window *c, const struct gd__window *o, dou
     return at_lo * at_hi <= 0;
 }
 
-/* Contests windows if the same window wins at both ends. This window wins the whole interval,
+/* Handles contests in which the same window wins at both ends. This window wins the whole interval,
  * unless the other window wins a piece in the middle. */
 BOTH_KINDS struct gd__contest_result settle_same_ends(const struct gd__window *c,
                                                       const struct gd__window *o, double lo,
@@ -304,9 +308,9 @@ BOTH_KINDS struct gd__contest_result settle_different_ends(const struct gd__wind
     struct gd__contest_result result = all_to(at_lo);
     int count = roots_of(c, o, lo, hi, linear, result.at);
     if (count == 0) result.at[0] = bisect(c, o, lo, hi, at_lo, linear);
-    /* With different winners at the ends there is an odd number of roots. If two are found, one of
-     * them is at an end of the interval up to rounding. The winner in the middle decides which of
-     * the two roots that is. */
+    /* If the winners at the two ends differ, the number of roots is odd. If two roots are found,
+     * one of them coincides with an end of the interval up to rounding. The winner in the middle
+     * shows which of the two roots this is. */
     if (count == 2 && winner_at(c, o, 0.5 * (result.at[0] + result.at[1]), linear) == at_lo)
         result.at[0] = result.at[1];
     result.switches = 1;
@@ -318,7 +322,8 @@ BOTH_KINDS struct gd__contest_result settle_different_ends(const struct gd__wind
 BOTH_KINDS enum winner winner_of_piece(const struct gd__window *c, const struct gd__window *o,
                                        double lo, double hi, bool linear)
 {
-    /* x of a linear window is not a position, but any point of the piece is valid */
+    /* For a linear window, x is not a position. This does not matter, because any point of the
+       piece can be compared. */
     double at[3] = {0.5 * (lo + hi), clamp(c->x, lo, hi), clamp(o->x, lo, hi)};
     for (int i = 0; i < 3; i++) {
         enum winner winner = winner_at(c, o, at[i], linear);
@@ -327,8 +332,9 @@ BOTH_KINDS enum winner winner_of_piece(const struct gd__window *c, const struct 
     return OWNER;
 }
 
-/* Contests windows that tie at an end of the interval. Up to rounding a root lies at that end, and
- * it may be missing among the roots inside. So each piece between roots is decided separately. */
+/* Handles contests with a tie at an end of the interval. Up to rounding, there is a root at this
+ * end, which may be missing among the computed roots. So the winner of each piece between roots is
+ * determined separately. */
 BOTH_KINDS struct gd__contest_result settle_tie(const struct gd__window *c,
                                                 const struct gd__window *o, double lo, double hi,
                                                 bool linear)
@@ -353,7 +359,7 @@ BOTH_KINDS struct gd__contest_result contest(const struct gd__window *c, const s
     double d_lo = difference_at(c, o, lo, linear, &scale_lo),
            d_hi = difference_at(c, o, hi, linear, &scale_hi);
     enum winner at_lo = winner_of(d_lo, scale_lo), at_hi = winner_of(d_hi, scale_hi);
-    /* sufficient, because D is 2-Lipschitz */
+    /* in this case D has no root in the interval, because D is 2-Lipschitz */
     if (fabs(d_lo + d_hi) >= 2 * (hi - lo) && at_lo == at_hi) return all_to(at_lo);
     if (at_lo == TIE || at_hi == TIE) return settle_tie(c, o, lo, hi, linear);
     if (at_lo != at_hi) return settle_different_ends(c, o, lo, hi, at_lo, linear);
@@ -366,8 +372,8 @@ static struct gd__contest_result contest_linear(const struct gd__window *c,
     return contest(c, o, lo, hi, true);
 }
 
-/* Contests two linear windows. Either one window is nearer at both ends, and so everywhere between
- * them, or there is one root. */
+/* Contests two linear windows. Either one window is nearer at both ends, and thus everywhere
+ * between them, or there is exactly one root. */
 static struct gd__contest_result contest_lines(const struct gd__window *c,
                                                const struct gd__window *o, double lo, double hi)
 {

@@ -14,7 +14,7 @@ struct gd__contest_result {
 };
 
 /* Compares two windows that both cover [lo, hi], lo < hi. The owner wins ties. If equation (1) has
- * infinitely many solutions, all of the overlap is a tie. */
+ * infinitely many solutions, the owner wins the whole overlap. */
 struct gd__contest_result gd__contest(const struct gd__window *challenger,
                                       const struct gd__window *owner, double lo, double hi);
 

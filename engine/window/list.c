@@ -2,20 +2,22 @@
 
 #include "window/contest.h"
 
-/* Two sorted lists that follow each other. Only the last window of `before` (number `last`) and the
- * first window of `behind` (number `first`) may overlap. */
+/* Two sorted lists, where the windows of `behind` follow those of `before`. Only the last window of
+ * `before` (its index is `last`) and the first window of `behind` (its index is `first`) may
+ * overlap. */
 struct seam {
     const struct gd__windows *before, *behind;
     uint32_t last, first;
     uint32_t before_left, behind_left; /* number of windows left; 0 means that all are dropped */
-    /* true if the newer windows are those before the seam; the older windows win ties */
+    /* true if the windows of `before` are newer than those of `behind`; the older windows win
+       ties */
     bool newer_is_before;
 };
 
 enum closing { CLOSING_DONE, CLOSING_NEXT, CLOSING_GENERAL };
 
-/* Contests the two windows that face each other. The window of the list `before` is the
- * challenger. */
+/* Contests the last window of `before` and the first window of `behind`. The window of the list
+ * `before` is the challenger. */
 static struct gd__contest_result contest_facing(const struct seam *s, double lo, double hi)
 {
     struct gd__window before = gd__windows_get(s->before, s->last),
@@ -26,9 +28,9 @@ static struct gd__contest_result contest_facing(const struct seam *s, double lo,
     return result;
 }
 
-/* Cuts the windows that face each other at their bisector, and drops a window that loses
- * everywhere. If the result depends on a window farther away, the function cuts nothing and returns
- * CLOSING_GENERAL. */
+/* Cuts the last window of `before` and the first window of `behind` at their bisector, and drops a
+ * window that loses everywhere. If another window affects the result, the function cuts nothing and
+ * returns CLOSING_GENERAL. */
 static enum closing close_facing(struct seam *s, double min_width)
 {
     double *a0 = &s->before->b0[s->last], *a1 = &s->before->b1[s->last];
@@ -57,9 +59,9 @@ static enum closing close_facing(struct seam *s, double min_width)
                                                                         : CLOSING_DONE;
 }
 
-/* Joins two lists, one of which ends where the other begins. Cuts the overlap, and removes dropped
- * windows from both lists. Returns false if the lists must be merged. `newer` is a view of *count
- * windows. */
+/* Concatenates two lists, one of which ends where the other begins. Cuts the overlap, and removes
+ * dropped windows from both lists. Returns false if the lists must be merged instead. `newer` has
+ * *count windows. */
 static bool close_seam(struct gd__list *list, struct gd__windows *newer, uint32_t *count,
                        double min_width, bool *newer_is_before)
 {
@@ -94,8 +96,8 @@ static bool windows_join_at(const struct gd__windows *a, uint32_t i, const struc
     return gd__window_joins(&before, &behind, min_width);
 }
 
-/* Appends `count` windows to the list. With `join`, the first of them may extend the list's last
- * window. */
+/* Appends `count` windows to the list. If `join`, the first of them extends the list's last window
+ * if both have the same source. */
 static enum gd_status list_append(struct gd__list *list, struct gd__pool *pool,
                                   struct gd__windows newer, uint32_t count, double min_width,
                                   bool join)
@@ -140,8 +142,9 @@ static enum gd_status list_prepend(struct gd__list *list, struct gd__pool *pool,
     return GD_OK;
 }
 
-/* The overlap: windows [from, to) of the list and [first, last) of the newer ones. If there is no
- * overlap, all newer windows are inserted at `from`, and first = last = their count. */
+/* The windows that overlap: [from, to) of the list and [first, last) of the newer windows. If there
+ * is no overlap, all newer windows are inserted at `from`, and first = last = number of newer
+ * windows. */
 struct overlap {
     uint32_t from, to, first, last;
 };
@@ -159,19 +162,20 @@ static struct overlap find_overlap(const struct gd__windows *list, uint32_t coun
     return o;
 }
 
-/* The windows that replace windows [from, to) of the list, in this order: newer [0, first), the
- * merged ones, newer [last, count). */
+/* The windows that replace windows [from, to) of the list, in this order: newer windows [0, first),
+ * the merged windows, newer windows [last, count). */
 struct insertion {
     const struct gd__windows *newer;
     const struct gd__stack *merged;
     struct overlap at;
     uint32_t count; /* number of newer windows */
-    /* newer [skip, first) and [last, end) are not joined to a neighbour */
+    /* newer windows [skip, first) and [last, end) are inserted; the others were joined to a
+       neighbour */
     uint32_t skip, end;
 };
 
-/* Extends the neighbours of an insertion by its windows of the same source. These windows are then
- * not inserted. */
+/* If the first or the last newer window has the same source as the neighbouring window of the list,
+ * extends this neighbour instead of inserting the newer window. */
 static void join_neighbours(const struct gd__windows *list, uint32_t count, struct insertion *in,
                             double min_width)
 {
@@ -188,8 +192,8 @@ static void join_neighbours(const struct gd__windows *list, uint32_t count, stru
     if (in->at.first > in->end) in->at.first = in->end;
 }
 
-/* Rebuilds the list around an insertion. Copies write whole groups, so each part is written after
- * the part before it. */
+/* Rebuilds the list with the insertion. A copy writes whole groups and may overwrite windows behind
+ * its end, so the parts are written in their order. */
 static enum gd_status list_splice(struct gd__list *list, struct gd__pool *pool,
                                   const struct insertion *in, struct gd__window_builder *scratch)
 {
@@ -235,7 +239,7 @@ static enum gd_status merge_overlap(const struct gd__windows *list, const struct
     return GD_OK;
 }
 
-/* Inserts windows in the general case: merges the overlap. */
+/* Inserts windows in the general case, in which the overlap is merged. */
 static enum gd_status list_merge(struct gd__list *list, struct gd__pool *pool,
                                  const struct gd__windows *newer, uint32_t count, double min_width,
                                  struct gd__scratch *scratch)
@@ -278,8 +282,8 @@ enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool,
 /* --- one window ------------------------------------------------------------------------------- */
 
 #define FEW 3 /* lists of at most that many windows are changed in their own block */
-/* Each window is cut into at most three pieces, with pieces of the new window between them and at
- * both ends. */
+/* Each window of the list is cut into at most three pieces. Pieces of the new window lie between
+ * them and at both ends. */
 #define MOST_PARTS (4 * FEW + 1)
 _Static_assert(MOST_PARTS <= 2 * GD__WINDOWS_GROUP,
                "the smallest block of a list has room for them");
@@ -359,7 +363,7 @@ enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool,
     struct gd__window there[FEW];
     for (uint32_t i = 0; i < list->count; i++) there[i] = gd__windows_get(&parts.at, i);
     parts_put_all(&parts, there, list->count, window);
-    /* if no piece is wide enough, the list stays unchanged */
+    /* if all pieces are too narrow, the list stays unchanged */
     if (parts.count) list->count = parts.count;
     if (parts.count + GD__WINDOWS_GROUP <= gd__list_capacity(list)) return GD_OK;
     return gd__block_enlarge(&list->block, &list->size_class, pool, list->count + GD__WINDOWS_GROUP,

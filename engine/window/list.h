@@ -7,10 +7,11 @@
 struct gd__list {
     void *block; /* NULL if empty */
     uint32_t count;
-    /* the queue's bucket in which the side waits, or GD_NONE if there is none */
+    /* the queue's bucket in which the side waits, or GD_NONE if the side does not wait */
     uint32_t bucket;
     uint32_t distance_drops; /* wavefront->distance_drops when the oldest window was inserted */
-    uint16_t visits;         /* number of propagations of the list, saturating */
+    /* number of times that windows of the side were propagated, saturating */
+    uint16_t visits;
     uint8_t size_class;
     bool touched; /* true if the workspace has recorded that this list must be cleaned */
 };
@@ -26,13 +27,14 @@ static inline struct gd__windows gd__list_windows(const struct gd__list *list)
 }
 
 /* Inserts sorted windows, at least one, into a list that is not empty. Takes ownership of their
- * block: the list uses the block or releases it. The list's windows win ties. Only windows that
- * overlap compete. Errors: GD_NO_MEMORY, GD_BUDGET. */
+ * block: the list uses the block or releases it. Where windows overlap, they are contested; the
+ * list's windows win ties. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool,
                                         struct gd__children *newer, double min_width,
                                         struct gd__scratch *scratch);
 
-/* Like gd__list_add, for any list. An empty list takes over the block of the windows. */
+/* Like gd__list_add, but the list may be empty. An empty list takes over the block of the
+ * windows. */
 GD_MUST_USE static inline enum gd_status
 gd__list_insert(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer,
                 double min_width, struct gd__scratch *scratch)
@@ -45,7 +47,7 @@ gd__list_insert(struct gd__list *list, struct gd__pool *pool, struct gd__childre
     return GD_OK;
 }
 
-/* Like gd__list_add, for one window. A short list is changed in its own block. */
+/* Like gd__list_add, for one window. A short list is changed in place. */
 GD_MUST_USE enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool,
                                             const struct gd__window *window, double min_width,
                                             struct gd__scratch *scratch);
@@ -54,7 +56,7 @@ GD_MUST_USE enum gd_status gd__list_add_one(struct gd__list *list, struct gd__po
 GD_MUST_USE static inline enum gd_status
 gd__list_begin(struct gd__list *list, struct gd__pool *pool, const struct gd__window *window)
 {
-    /* leaves room for one group behind the last window */
+    /* two groups: one for the window, and one that kernels may overwrite */
     enum { GROUPS = 2, SIZE_CLASS = GROUPS - 1 };
     void *block = gd__pool_take(pool, SIZE_CLASS);
     if (!block) return pool->status;

@@ -22,8 +22,8 @@ void gd__stack_load(struct gd__stack *stack, const struct gd__windows *windows, 
         stack->windows[stack->count++] = gd__windows_get(windows, i);
 }
 
-/* Appends the piece [from, to] of a window. If the last piece belongs to the same window and ends
- * at `from`, the function extends that piece instead. */
+/* Appends the piece [from, to] of a window. If the last piece has the same source and ends at
+ * `from`, extends that piece instead. */
 static void append_piece(struct gd__stack *out, const struct gd__window *w, double from, double to,
                          double min_width, const struct gd__window **last)
 {
@@ -39,7 +39,8 @@ static void append_piece(struct gd__stack *out, const struct gd__window *w, doub
     *last = w;
 }
 
-/* A cursor over a sorted list: the current window, and where its unread part starts. */
+/* A cursor over a sorted list: the current window, and the start of the part of this window that is
+ * not yet merged. */
 struct cursor {
     const struct gd__window *at, *end;
     double from;
@@ -64,8 +65,8 @@ static void cursor_take_rest(struct cursor *c, double min_width, struct gd__stac
     cursor_advance(c, -HUGE_VAL);
 }
 
-/* Contests the overlap of two current windows that start at the same point, and advances both past
- * it. */
+/* Contests the two current windows on their overlap, which starts at the same point for both.
+ * Advances both cursors past the overlap. */
 static void take_overlap(struct cursor *existing, struct cursor *newer, double min_width,
                          struct gd__stack *out, const struct gd__window **last)
 {
@@ -127,8 +128,8 @@ static enum gd_status merge_into_tail(struct gd__stack *list, const struct gd__w
 
 enum push { PUSH_REST, PUSH_AGAIN, PUSH_DONE, PUSH_GENERAL };
 
-/* Returns true if the window loses everywhere before the list's last window: better windows of the
- * list cover that part without a gap. */
+/* Returns true if the part of the window before the list's last window loses everywhere, that is,
+ * if better windows of the list cover this part without a gap. */
 static bool is_beaten_before(const struct gd__stack *list, const struct gd__window *w,
                              double min_width)
 {
@@ -146,9 +147,9 @@ static bool is_beaten_before(const struct gd__stack *list, const struct gd__wind
     return w->b0 >= until - min_width;
 }
 
-/* Handles a window that wins the part [from, to) of the list's last window. The last window becomes
- * two pieces around that part. `w` keeps only its part beyond the last window. There must be room
- * for two more windows. */
+/* Handles a window that wins the part [from, to) of the list's last window. Cuts the last window
+ * into the two pieces before and after this part. Reduces `w` to its part beyond the last window.
+ * There must be room for two more windows. */
 static enum push split_last(struct gd__stack *list, struct gd__window *w, double from, double to,
                             double min_width)
 {
@@ -197,8 +198,8 @@ static enum push contest_last(struct gd__stack *list, struct gd__window *w, doub
     return PUSH_REST;
 }
 
-/* Like gd__stack_push, but overwrites the window. The window is modified in place: a copy of memory
- * just written would stall the load. */
+/* Like gd__stack_push, but modifies the window. It works without a copy, because reading a copy
+ * that was just written would stall the processor. */
 static enum gd_status stack_push(struct gd__stack *list, struct gd__window *w, double min_width,
                                  struct gd__stack *scratch)
 {

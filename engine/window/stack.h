@@ -1,6 +1,6 @@
-/* Stack: a sorted list of windows under construction, as an array of structs on the heap, reused.
- * The lists of a propagation are structures of arrays (window/windows.h). Windows that have to be
- * merged or sorted one by one are copied to a stack and back. */
+/* Stack: a sorted list of windows under construction, as an array of structs. Its memory is reused.
+ * The lists of a propagation are structures of arrays instead (window/windows.h). If windows must
+ * be merged or sorted one by one, they are copied to a stack and back. */
 #ifndef GD_WINDOW_STACK_H
 #define GD_WINDOW_STACK_H
 
@@ -18,8 +18,9 @@ void gd__stack_destroy(struct gd__stack *stack);
 void gd__stack_load(struct gd__stack *stack, const struct gd__windows *windows, uint32_t first,
                     uint32_t end);
 
-/* Appends the piece [from, to] of a window unless it is no wider than `min_width`. The stack must
- * have room. Sets the window field by field, because a copy of memory just written would stall. */
+/* Appends the piece [from, to] of a window if it is wider than `min_width`. The stack must have
+ * room. Sets the members one by one, because copying a struct that was just written would stall the
+ * processor. */
 static inline void gd__stack_put(struct gd__stack *stack, const struct gd__window *w, double from,
                                  double to, double min_width)
 {
@@ -34,8 +35,8 @@ static inline void gd__stack_put(struct gd__stack *stack, const struct gd__windo
     place->tags = w->tags;
 }
 
-/* Returns an upper bound on the windows of a merge: each overlap is cut into at most three
- * pieces. */
+/* Returns an upper bound on the number of windows after a merge of a and b windows. Each overlap is
+ * cut into at most three pieces. */
 static inline uint32_t gd__merged_bound(uint32_t a, uint32_t b)
 {
     return 4 * (a + b) + 4;
@@ -48,9 +49,9 @@ void gd__merge(const struct gd__window *existing, uint32_t existing_count,
                const struct gd__window *newer, uint32_t newer_count, double min_width,
                struct gd__stack *out);
 
-/* Pushes a window that belongs at or near the end of the list: joins it to the last window if both
- * have the same source, and contests the overlap otherwise. Amortised O(1). `scratch` is used if
- * the window belongs farther back. Errors: GD_NO_MEMORY. */
+/* Pushes a window that belongs at or near the end of the list. If the last window has the same
+ * source, joins the two. Otherwise contests their overlap. Amortised O(1). `scratch` is used if the
+ * window belongs farther back. Errors: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__stack_push(struct gd__stack *list, const struct gd__window *window,
                                           double min_width, struct gd__stack *scratch);
 

@@ -48,16 +48,16 @@ struct gd__window gd__wedge_window(const struct gd__wedges *wedges, uint32_t i, 
     return w;
 }
 
-/* A writer of wedges. Without arrays it only counts the wedges. */
+/* Writes wedges to arrays, or only counts them. */
 struct writer {
-    const struct gd__wedges *to; /* NULL means only counts */
+    const struct gd__wedges *to; /* NULL if wedges are only counted */
     uint32_t count;
-    double length, units; /* units: number of start units per length */
+    double length, units; /* units: number of units of wedge starts per unit of length */
     double end;           /* end of the last window */
     bool linear;          /* true if the last window was linear */
 };
 
-/* Rounds down to a whole number. A negative number is zero up to rounding. */
+/* Rounds down to a whole number. Negative numbers come from rounding errors and become 0. */
 static double round_down(double number)
 {
     return number > 0 ? (double)(uint64_t)number : 0;
@@ -80,9 +80,9 @@ static void writer_put(struct writer *writer, double b0, double x, double y, uin
     writer->count++;
 }
 
-/* Writes the gap from the last window to `until`, unless it is no wider than rounding. Beside a
- * linear window, whose ends are rounded inwards, every gap is written. Between two linear windows a
- * gap is written even if they meet within one unit. */
+/* Writes the gap from the last window to `until` if it is wider than rounding errors. Before or
+ * after a linear window, every gap is written, because the ends of a linear window are rounded
+ * inwards. Between two linear windows, a gap is written even if they meet exactly. */
 static void writer_put_gap(struct writer *writer, double until, bool linear)
 {
     bool both = linear && writer->linear;
@@ -140,7 +140,7 @@ void gd__chunk_write(const struct gd__windows *windows, uint32_t count, double l
     out->is_far = mirrored;
     out->count = counter.count;
     struct gd__wedges to = gd__chunk_wedges(out);
-    /* also zeroes the padding */
+    /* this also zeroes the padding */
     memset(out->data, 0, gd__wedge_heads_bytes(out->count, out->form));
     struct writer writer = {.to = &to, .length = length, .units = units};
     writer_put_all(&writer, windows, count, mirrored);

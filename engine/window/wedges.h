@@ -1,18 +1,18 @@
-/* Wedges: the final form of windows, stored in chunks. A chunk holds the windows of one side that
- * were propagated together. Its wedges are in the frame of side 0 of the edge, sorted by start. A
- * wedge ends where the next wedge of its chunk starts; the last one ends at the edge's end. A wedge
- * without a source is a gap. In a linear wedge (a wedge of a segment source), `x` is the distance
- * at the edge's origin. `y` is the tangent of half the angle between the edge and the direction to
- * the segment. The ends of a linear wedge are rounded inwards, because the segment has no paths
- * beyond them.
+/* Wedges: the final form of windows, stored in chunks. A chunk holds, as wedges, the windows of one
+ * side that were propagated together. Its wedges are in the frame of side 0 of the edge, sorted by
+ * start. A wedge ends where the next wedge of its chunk starts; the last one ends at the edge's
+ * end. A wedge without a source is a gap. In a linear wedge (a wedge of a segment source), `x` is
+ * the distance at the origin of the edge, and `y` is the tangent of half the angle between the edge
+ * and the direction to the segment. The ends of a linear wedge are rounded inwards, because no
+ * shortest path leads from the segment to points beyond these ends.
  *
  * An edge has a chain of chunks, newest first; most chains have one chunk. Chunks of a chain may
  * overlap. Each wedge describes an existing path, so the distance is the minimum over all wedges.
  *
  * A wedge takes 21, 22 or 24 bytes, depending on the form of its chunk. Coordinates in the
- * normalised unit are far below 2^63 and need at most 7 bits of a double's exponent. Scaled by a
- * power of two, x and y have 4 unused bits each. These bits hold the lower 8 bits of the source's
- * number, so x and y lose no precision (doc 030). */
+ * normalised unit are far below 2^63, so they need at most 7 bits of a double's exponent. After
+ * scaling by a power of two, x and y have 4 unused bits each. These bits hold the lower 8 bits of
+ * the source's number, so x and y lose no precision (doc 030). */
 #ifndef GD_WINDOW_WEDGES_H
 #define GD_WINDOW_WEDGES_H
 
@@ -20,8 +20,8 @@
 
 #include "window/windows.h"
 
-/* Forms of a chunk: it stores 16, 24 or (WIDE) 32 bits of a source's number. All bits set mean a
- * gap. In the WIDE form x and y are not packed. */
+/* Forms of a chunk. They store 16, 24 or (WIDE) 32 bits of a source's number. If all these bits are
+ * set, the wedge is a gap. In the WIDE form, x and y hold no bits of the source's number. */
 enum gd__wedge_form { GD__WEDGE_16, GD__WEDGE_24, GD__WEDGE_WIDE };
 
 struct gd__chunk {
@@ -29,7 +29,7 @@ struct gd__chunk {
      * GD_NONE ends the chain */
     uint32_t previous;
     uint32_t count : 29;
-    /* the windows belong to side 1; all windows of a chunk belong to one side */
+    /* 1 if the chunk's windows belong to side 1, 0 if they belong to side 0 */
     uint32_t is_far : 1;
     uint32_t form : 2;
     uint64_t data[]; /* the arrays of struct gd__wedges */
@@ -38,9 +38,10 @@ struct gd__chunk {
 /* The arrays of a chunk, in this order. x is 8-byte aligned. */
 struct gd__wedges {
     uint32_t *start; /* b0 / length in units of 2^-32 */
-    /* the part of the source's number that x and y do not hold: 1, 2 or 4 bytes each */
+    /* for each wedge, the part of the source's number that x and y do not hold: 1, 2 or 4 bytes */
     void *high;
-    /* Packed. The sign of y is the side of the pseudo-source: negative for windows of side 0. */
+    /* Packed with bits of the source's number. y is negative for windows of side 0, positive for
+       windows of side 1. */
     double *x, *y;
     uint32_t count;
     enum gd__wedge_form form;
@@ -52,8 +53,8 @@ struct gd__wedges {
 #define GD__WEDGE_UNIT   (1.0 / GD__WEDGE_UNITS)
 #define GD__WEDGE_LATEST 4294967295.0 /* the largest start */
 
-/* Packing of x and y: a number below LIMIT, times SCALE, has zeros in the four bits from SHIFT
- * upwards. */
+/* Packing of x and y: if a number below LIMIT is multiplied by SCALE, the four bits from bit SHIFT
+ * upwards are 0. */
 #define GD__WEDGE_LIMIT   0x1p63
 #define GD__WEDGE_SCALE   0x1p-959
 #define GD__WEDGE_UNSCALE 0x1p959
@@ -61,7 +62,7 @@ struct gd__wedges {
 #define GD__WEDGE_NIBBLE  15u
 #define GD__WEDGE_MASK    (~((uint64_t)GD__WEDGE_NIBBLE << GD__WEDGE_SHIFT))
 
-/* Returns the shortest form for that many sources (vertices and seeds). */
+/* Returns the form with the fewest bytes that can number `sources` sources (vertices and seeds). */
 static inline enum gd__wedge_form gd__wedge_form_of(uint64_t sources)
 {
     return sources < UINT16_MAX                ? GD__WEDGE_16
@@ -69,14 +70,15 @@ static inline enum gd__wedge_form gd__wedge_form_of(uint64_t sources)
                                                : GD__WEDGE_WIDE;
 }
 
-/* Returns true if coordinates on a mesh can be packed. `shortest` and `longest` are edge lengths in
- * the normalised unit. No path is longer than all edges together. */
+/* Returns true if all coordinates on a mesh can be packed. `shortest` and `longest` are edge
+ * lengths in the normalised unit. The coordinates are bounded because no path is longer than all
+ * edges together. */
 static inline bool gd__wedges_fit(double shortest, double longest, uint32_t edges)
 {
     return shortest >= GD_TOL_PACKED && longest * edges < GD__WEDGE_LIMIT / 2;
 }
 
-/* Returns the bytes of the arrays of starts and of source numbers. */
+/* Returns the size in bytes of the arrays `start` and `high`. */
 static inline size_t gd__wedge_heads_bytes(uint32_t count, enum gd__wedge_form form)
 {
     size_t each = form == GD__WEDGE_WIDE ? 8 : 5 + (size_t)form;
@@ -151,20 +153,20 @@ static inline uint32_t gd__wedge_source(const struct gd__wedges *wedges, uint32_
 void gd__wedge_put(const struct gd__wedges *wedges, uint32_t i, uint32_t start, double x, double y,
                    uint32_t source);
 
-/* Returns wedge `i` as a window in the frame of side 0, y >= 0. sigma is set for linear wedges
- * only. The tag GD__WINDOW_FAR_SIDE is set if the source lies across side 1. A gap has source
+/* Returns wedge `i` as a window in the frame of side 0, with y >= 0. Sets sigma only for linear
+ * wedges. Sets the tag GD__WINDOW_FAR_SIDE if the window belongs to side 1. A gap has the source
  * GD_NONE. */
 struct gd__window gd__wedge_window(const struct gd__wedges *wedges, uint32_t i, double length);
 
-/* Returns an upper bound on the wedges of a list of windows: there may be a gap before each window
- * and after the last. */
+/* Returns an upper bound on the number of wedges for `count` windows: there may be a gap before
+ * each window and after the last one. */
 static inline uint32_t gd__wedges_bound(uint32_t count)
 {
     return 2 * count + 1;
 }
 
-/* Returns an upper bound on the bytes of a chunk of that many windows in any form, and of a group
- * that is written behind it. */
+/* Returns an upper bound on the bytes of a chunk of `count` windows, in any form, and of the group
+ * that kernels may write behind it. */
 static inline size_t gd__chunk_bound(uint32_t count)
 {
     return sizeof(struct gd__chunk) + gd__wedges_bytes(gd__wedges_bound(count), GD__WEDGE_WIDE) +

@@ -1,15 +1,16 @@
-/* Window: during propagation, an interval of an edge, on one side of the edge, and the source whose
- * paths reach the interval (Definition 1 of the paper). A wedge is the final form of a window. In
- * the frame of its side (mesh/topology.h) the window has its pseudo-source at (x, -y), y > 0.
- * Straight lines from the source through [b0, b1] are shortest paths. The distance at parameter t
- * of the edge is sigma + |(t, 0) - (x, -y)|. The window propagates into the side's face.
+/* Window: an interval of an edge, and the source from which paths reach the interval straight, on
+ * one side of the edge (Definition 1 of the paper). Windows exist during propagation. A wedge is
+ * the final form of a window. In the frame of its side (mesh/topology.h) the window has its
+ * pseudo-source at (x, -y), y > 0. Straight lines from the source through [b0, b1] are shortest
+ * paths. The distance at parameter t of the edge is sigma + |(t, 0) - (x, -y)|. The window
+ * propagates into the side's face.
  *
  * A linear window belongs to a segment source (Bommes and Kobbelt 2007). Its rays are parallel, as
  * if the source were infinitely far away in the direction (x, -y), a unit vector, y > 0. The
  * distance at (t, h) of the frame is sigma - x t + y h. So sigma is the distance at the frame's
- * origin. It differs from frame to frame, and may be negative because the origin may lie outside
- * the window. In homogeneous coordinates the source of a window is (x, -y, 1), and that of a linear
- * window (x, -y, 0). */
+ * origin. It has another value in another frame. It may be negative, because the origin may lie
+ * outside the window. In homogeneous coordinates the source of a window is (x, -y, 1), and that of
+ * a linear window (x, -y, 0). */
 #ifndef GD_WINDOW_WINDOW_H
 #define GD_WINDOW_WINDOW_H
 
@@ -19,12 +20,13 @@
 
 #include "base/tolerance.h"
 
-/* Tags of a window outside a list. FAR_SIDE: it belongs to side 1 of an edge and is in the frame of
- * side 0. Windows that differ in the bits from SERIAL upwards must not be joined. */
+/* Tags of a window that is not in a list. FAR_SIDE: the window belongs to side 1 of an edge, but is
+ * in the frame of side 0. The bits from SERIAL upwards prevent joining: windows in which these bits
+ * differ are not joined. */
 enum { GD__WINDOW_FAR_SIDE = 1, GD__WINDOW_SERIAL = 4 };
 
-/* Bit of a source's number: the source is linear. The other bits are vertex_count + number of the
- * seed. */
+/* This bit of a source's number is set if the source is linear. The other bits are then
+ * vertex_count + number of the seed. */
 #define GD__SOURCE_LINEAR (UINT32_C(1) << 31)
 
 struct gd__window {
@@ -36,7 +38,8 @@ struct gd__window {
     uint32_t tags;
 };
 
-/* Returns true for a linear source, false for GD_NONE (a gap). */
+/* Returns true if the source is linear. It is also true for GD_NONE (a gap), so callers must test
+ * for GD_NONE first. */
 static inline bool gd__source_is_linear(uint32_t source)
 {
     return (source & GD__SOURCE_LINEAR) != 0;
@@ -47,7 +50,8 @@ static inline bool gd__window_is_linear(const struct gd__window *w)
     return gd__source_is_linear(w->source);
 }
 
-/* Returns the distance at (t, h) of the frame, h >= 0, straight across the edge's line. */
+/* Returns the distance at (t, h) of the frame, h >= 0, along a straight path across the edge's
+ * line. */
 static inline double gd__window_distance_beyond(const struct gd__window *w, double t, double h)
 {
     if (gd__window_is_linear(w)) return w->sigma - w->x * t + w->y * h;
@@ -74,22 +78,23 @@ static inline double gd__window_distance_in_middle(const struct gd__window *w)
     return gd__window_distance(w, 0.5 * (w->b0 + w->b1));
 }
 
-/* Returns the parameter of the window's interval where the distance is least. */
+/* Returns the parameter in the window's interval at which the distance is smallest. */
 static inline double gd__window_nearest_at(const struct gd__window *w)
 {
     if (gd__window_is_linear(w)) return w->x > 0 ? w->b1 : w->b0;
     return w->x < w->b0 ? w->b0 : w->x > w->b1 ? w->b1 : w->x;
 }
 
-/* Returns the least distance on the window's interval. */
+/* Returns the smallest distance in the window's interval. */
 static inline double gd__window_nearest(const struct gd__window *w)
 {
     return gd__window_distance(w, gd__window_nearest_at(w));
 }
 
-/* Returns true if the source lies on the line of an edge of that length, beyond its ends, up to
- * rounding. Such a source makes no window: the path through the edge's end replaces it. A source on
- * the edge itself sees the edge at all angles, however small y is. */
+/* Returns true if the source lies on the line of an edge of that length, up to rounding, but not on
+ * the edge itself. Such a source makes no window, because the paths along the edge from its end
+ * give the same distances. A source on the edge itself sees the edge at all angles, however small y
+ * is. */
 static inline bool gd__window_grazes(double x, double y, double length)
 {
     if (y > GD_TOL_GRAZING * length) return false;
@@ -117,8 +122,8 @@ static inline bool gd__window_joins(const struct gd__window *last, const struct 
            gd__window_same_source(last, w);
 }
 
-/* Returns the window in the frame of the edge's other side; `length` is the edge's. For comparisons
- * only, never propagated. */
+/* Returns the window in the frame of the edge's other side. `length` is the length of the edge. The
+ * result is only used for comparisons and never propagated. */
 static inline struct gd__window gd__window_mirrored(const struct gd__window *w, double length)
 {
     struct gd__window m = *w;

@@ -1,7 +1,7 @@
 /* Windows of one list as a structure of arrays. Kernels read and write them several lanes at a
- * time. Arrays have room for whole groups of GD__WINDOWS_GROUP windows. Kernels read and write
- * whole groups. They may overwrite up to one group behind the last window, whose content is
- * undefined, and read up to one group before the first. */
+ * time. Arrays have room for whole groups of GD__WINDOWS_GROUP windows, because kernels read and
+ * write whole groups. A kernel may overwrite up to one group behind the last window, and read up to
+ * one group before the first window. The contents of these groups are undefined. */
 #ifndef GD_WINDOW_WINDOWS_H
 #define GD_WINDOW_WINDOWS_H
 
@@ -56,8 +56,8 @@ static inline struct gd__windows gd__windows_from(const struct gd__windows *w, u
                                 w->y + first,  w->sigma + first, w->source + first};
 }
 
-/* Copies `count` windows in whole groups, so it may overwrite up to one group behind them. The
- * ranges must not overlap. */
+/* Copies `count` windows. Copies whole groups, so it may overwrite up to one group behind the
+ * copied windows. The ranges must not overlap. */
 static inline void gd__windows_copy(const struct gd__windows *to, uint32_t at,
                                     const struct gd__windows *from, uint32_t first, uint32_t count)
 {
@@ -85,15 +85,14 @@ static inline void gd__windows_move(const struct gd__windows *w, uint32_t to, ui
     __builtin_memmove(w->source + to, w->source + from, count * sizeof(uint32_t));
 }
 
-/* Windows under construction, in a growing block of their own. A struct that is all zero is
- * empty. */
+/* Windows under construction, in a block that grows. A struct that is all zero has no windows. */
 struct gd__window_builder {
     struct gd__windows at;
-    uint32_t capacity; /* number of windows, without the group behind them */
+    uint32_t capacity; /* number of windows that fit, without the group behind them */
     void *block;
 };
 
-/* Makes room for that many windows. Keeps the content. Errors: GD_NO_MEMORY. */
+/* Makes room for that many windows. Keeps the existing windows. Errors: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__window_builder_reserve(struct gd__window_builder *builder,
                                                       uint32_t count);
 void gd__window_builder_destroy(struct gd__window_builder *builder);
