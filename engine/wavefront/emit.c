@@ -2,9 +2,9 @@
 
 /* Emission from a vertex, or from a seed beside a vertex, into the vertex' fan. A seed at a vertex
  * emits into the whole fan. A saddle or boundary vertex emits only into its shadow cone: the
- * directions at an angle of at least pi from the incoming ray on both sides. Only there a path that
- * bends at the vertex is locally shortest. A seed beside a vertex emits past the vertex on both
- * sides; rays from the vertex bound its cone on both sides. */
+ * directions at an angle of at least pi from the incoming ray on both sides. A path that bends at
+ * the vertex is locally shortest only in these directions. A seed beside a vertex emits windows
+ * that pass the vertex on both sides. Two rays from the vertex limit these windows. */
 
 /* The emitter: a vertex, or a seed beside it. */
 struct emitter {
@@ -12,7 +12,8 @@ struct emitter {
     double sigma;
 };
 
-/* A part of the face of a fan entry: angles from the entry's side, at most `opening`. */
+/* A part of the face of a fan entry, between two angles at the vertex, measured from the entry's
+ * side. `opening` is the angle of the whole face. */
 struct sector {
     double from, to, opening;
 };
@@ -30,7 +31,8 @@ static bool is_beside(const struct gd__wavefront *front, uint32_t vertex, uint32
     return gd__polar_beside(front->mesh, &seed->point, out) && out->vertex == vertex;
 }
 
-/* Returns the angle of the ray from `vertex` back along its last leg, in its fan. */
+/* Returns the angle, in the fan of `vertex`, of the ray from the vertex back along the last leg of
+ * its shortest path. */
 static double incoming_angle(const struct gd__wavefront *front, uint32_t vertex)
 {
     const struct gd_mesh *mesh = front->mesh;
@@ -66,16 +68,17 @@ static void reach_along_edge(struct gd__wavefront *front, uint32_t from, uint32_
     gd__wavefront_reach(front, to, front->distance[from] + length, predecessor);
 }
 
-/* Returns where the ray from the vertex at an angle meets the far edge of the entry's face,
- * measured from the apex. */
+/* Returns the point where the ray from the vertex at this angle meets the opposite edge of the
+ * entry's face, as a distance from the apex. */
 static double place_of_ray(const struct gd_side *s, double angle)
 {
     double py = s->left_length * s->left_y, ax = s->left_length * s->left_x - s->length;
     return s->right_length * (1 - sin(angle) * s->length / (cos(angle) * py - sin(angle) * ax));
 }
 
-/* Casts a window through a sector of an entry's face. The emitter lies at `at` in the frame of the
- * entry's side. The window's side runs in the opposite direction. */
+/* Casts a window through a sector of an entry's face to the edge opposite to the vertex. The
+ * emitter lies at `at` in the frame of the entry's side. The side that receives the window runs in
+ * the opposite direction to the face's side on this edge. */
 static void emit_through_face(struct gd__wavefront *front, const struct emitter *emitter,
                               const struct gd_fan *fan, struct sector sector, struct gd__local at)
 {
@@ -84,7 +87,7 @@ static void emit_through_face(struct gd__wavefront *front, const struct emitter 
            py = s->left_length * s->left_y;
     double b0 = 0, b1 = length;
     double x = -(px * s->right_x + py * s->right_y) + (at.x * s->right_x + at.y * s->right_y),
-           /* the height as twice the area divided by the edge, which avoids cancellation */
+           /* height = twice the area / length of the edge; this avoids cancellation */
         y = py * s->length / length + (at.x * s->right_y - at.y * s->right_x);
     if (gd__window_grazes(x, y, length)) return;
     /* The vertex lies almost on the edge. Emit through all of the edge, because the ends of a part
@@ -127,8 +130,8 @@ static void emit_cone(struct gd__wavefront *front, uint32_t vertex, double from,
     }
 }
 
-/* Offers the distance of a boundary vertex along all of its edges. Each edge is a path, so the
- * borders of the cone need no special case. */
+/* Offers the distance of a boundary vertex along all of its edges. This is correct even for edges
+ * outside the cone, because each edge is a path. */
 static void reach_all_neighbours(struct gd__wavefront *front, uint32_t vertex)
 {
     const struct gd_mesh *mesh = front->mesh;
@@ -175,9 +178,10 @@ void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 
 /* --- seeds beside a vertex -------------------------------------------------------------------- */
 
-/* A seed beside a vertex, and the angle around the vertex into which it emits, in radians. At a
- * convex vertex the paths past both sides are equally long where they meet, half of the fan away.
- * At other vertices the cone ends behind the vertex or at the boundary. */
+/* A seed beside a vertex, and the angles around the vertex into which it emits, in radians. At a
+ * convex vertex, the paths that pass the vertex on its two sides meet, equally long, at half of the
+ * total angle from the seed. At other vertices, the cone ends at the angle pi on each side, or at
+ * the boundary. */
 struct beside {
     struct emitter emitter;
     struct gd__polar polar;
@@ -202,8 +206,8 @@ static struct beside beside_of(const struct gd__wavefront *front, uint32_t seed,
 }
 
 /* Stores a wedge that covers a whole edge of the vertex. The seed sees the whole edge, and lies at
- * `at` in the frame of `side`, a side of the edge. The wedge serves queries in the side's face. The
- * windows across that face are emitted from the vertex. */
+ * `at` in the frame of `side`, a side of the edge. The wedge is only for queries in the side's
+ * face. Windows across this face are emitted directly, so the stored window is not propagated. */
 static void store_edge(struct gd__wavefront *front, const struct beside *b, uint32_t side,
                        struct gd__local at)
 {
@@ -215,8 +219,8 @@ static void store_edge(struct gd__wavefront *front, const struct beside *b, uint
     if (window.y > 0) gd__store_window(front, side, &window);
 }
 
-/* Offers a neighbour of the vertex the straight path from the seed, whose vector is `way`. The path
- * starts at `at` in the frame of `side`, the side opposite to the neighbour. */
+/* Offers a neighbour of the vertex the straight path from the seed. `way` is the vector of this
+ * path. The path starts at `at` in the frame of `side`, the side opposite to the neighbour. */
 static void reach_neighbour(struct gd__wavefront *front, const struct beside *b, uint32_t side,
                             struct gd__local at, struct gd__local way)
 {
@@ -250,7 +254,7 @@ static void emit_to_right(struct gd__wavefront *front, const struct beside *b, u
     uint32_t last = gd__side_previous(front->mesh, fan->side);
     struct gd__local at = gd__polar_place(&b->polar, opening + ahead),
                      turned = gd__polar_place(&b->polar, -ahead);
-    turned.x = s->left_length - turned.x; /* in the frame of the face's last side */
+    turned.x = s->left_length - turned.x; /* now in the frame of the face's last side */
     store_edge(front, b, last, turned);
     emit_through_face(front, &b->emitter, fan,
                       (struct sector){fmax(0, opening - (b->right - ahead)), opening, opening}, at);

@@ -5,8 +5,8 @@
 
 #include "base/large.h"
 
-/* A page of sides that was created more than this number of times is not reused, so that visits of
- * its sides accumulate for gd__prune_by_stored. */
+/* A page of sides that was created more than this number of times is not reused. So its lists
+ * continue to count visits, as gd__prune_by_stored requires. */
 #define SIDES_MADE_MOST 4
 
 static uint32_t pages_of(uint32_t count, uint32_t records)

@@ -1,7 +1,8 @@
 /* Paged records: records of sides and vertices in pages (wavefront/pages.h), for a propagation that
- * computes distances only. They replace the workspace's arrays: a few bytes a face for the whole
- * mesh, and full records only near the front. A new record of a vertex where paths may bend states
- * that the vertex has emitted with its present distance (GD__FAR: not yet). */
+ * computes distances only. They replace the workspace's arrays: the whole mesh takes a few bytes a
+ * face, and full records exist only near the front. In a new record of a vertex where paths may
+ * bend, `emitted` is the vertex' present distance, as if the vertex had emitted with this distance.
+ * If the distance is GD__FAR, the vertex has not emitted yet. */
 #ifndef GD_WAVEFRONT_PAGED_H
 #define GD_WAVEFRONT_PAGED_H
 
@@ -29,10 +30,13 @@ struct gd__vertex_page {
 
 struct gd__paged {
     struct gd__pages sides, vertices;
-    double *distance; /* Per vertex, GD__FAR at first. A sink may take this array and leave NULL. */
+    /* For each vertex, its distance, GD__FAR at first. A sink may take this array; it then sets the
+       pointer to NULL. */
+    double *distance;
 };
 
-/* Allocates the pages. The struct must be all zero. Errors: GD_NO_MEMORY, GD_BUDGET. */
+/* Allocates the tables of pages, without pages. The struct must be all zero. Errors: GD_NO_MEMORY,
+ * GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__paged_open(struct gd__paged *paged, const struct gd_mesh *mesh,
                                           struct gd__budget *budget);
 

@@ -2,9 +2,9 @@
 
 #include <stdlib.h>
 
-/* Number of buckets after which an idle page is reused: about the length of some edges. With a
- * lower number, pages are reused that are needed again soon. With a higher number more pages stay
- * idle. */
+/* Number of buckets after which an idle page is reused. The buckets span about the length of some
+ * edges. With a lower number, pages that are needed again soon would be reused. With a higher
+ * number, more memory would be idle. */
 #define REST       4
 #define SLAB_PAGES 32
 
@@ -58,8 +58,9 @@ void gd__pages_rest(struct gd__pages *pages, struct gd__page *page, uint32_t now
     if (!page->in_line) page_line_up(pages, page, now);
 }
 
-/* Removes from the line a page that has been idle long enough, and returns it, or NULL if there is
- * none. Pages that were used since they entered the line are removed too, or enter it again. */
+/* Removes a page that has been idle long enough from the line, and returns it. Returns NULL if
+ * there is none. Pages that were used after they entered the line are removed too, or moved to its
+ * end. */
 static struct gd__page *take_rested(struct gd__pages *pages, uint32_t now)
 {
     while (pages->first && pages->first->entered + REST < now) {

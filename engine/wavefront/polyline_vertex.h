@@ -1,6 +1,7 @@
 /* Polyline vertex (joint): a point of a curve and the segments that end there. A joint is the
- * nearest point of the curve only for points behind it, that is, beyond the end of each of its
- * segments. In any other direction a point of a segment is nearer (first variation of length). */
+ * nearest point of the curve only for points behind it, that is, points whose direction from the
+ * joint is at 90 degrees or more to each of its segments. For a point in another direction, a point
+ * of a segment is nearer (first variation of length). */
 #ifndef GD_WAVEFRONT_POLYLINE_VERTEX_H
 #define GD_WAVEFRONT_POLYLINE_VERTEX_H
 
@@ -20,12 +21,13 @@ struct gd__placed_segment {
     uint32_t seed; /* GD_NONE if not set yet */
     uint32_t face; /* GD_NONE means along an edge */
     uint32_t edge;
-    double forward;            /* along an edge: 1 in the direction of its side 0, -1 against it */
+    /* along an edge: 1 if in the direction of the edge's side 0, -1 if in the opposite direction */
+    double forward;
     struct gd__chord chord[3]; /* across a face: the segment in the frames of the face's sides */
 };
 
-/* The segments located last. Each segment is needed three times in a row: for itself and for its
- * two ends. */
+/* The segments that were located last. Each segment is needed three times within a short time: for
+ * itself and for its two ends. */
 struct gd__segment_cache {
     struct gd__placed_segment last[GD__SEGMENTS_KEPT];
 };
@@ -51,8 +53,8 @@ gd__segment_cache_get(const struct gd__wavefront *front, struct gd__segment_cach
     return placed;
 }
 
-/* The segments that end at the point of a seed. They are its neighbours in the list of seeds
- * (gd_curve_seeds). */
+/* The segments that end at a seed's point. In the list of seeds, they are the neighbours of this
+ * seed (gd_curve_seeds). */
 struct gd__joint {
     const struct gd__placed_segment *segment[2]; /* NULL means no such segment */
     double turned[2];                            /* 1: the segment starts here, -1: it ends here */
@@ -76,8 +78,9 @@ static inline struct gd__joint gd__joint_of(const struct gd__wavefront *front,
     return joint;
 }
 
-/* Directions of the segments of a joint, away from it, in the frame of a side: unit vectors. The
- * direction of a missing segment is zero, so that no point is ahead along it. */
+/* Directions of the segments of a joint, pointing away from the joint: unit vectors in the frame of
+ * a side. The direction of a missing segment is zero, so that no point is ahead in this
+ * direction. */
 struct gd__segment_directions {
     struct gd__local along[2];
 };
@@ -99,8 +102,9 @@ static inline struct gd__segment_directions gd__directions_in_face(const struct 
     return directions;
 }
 
-/* Returns the direction of a segment in the frame of one side of an edge, on which the segment ends
- * or along which it runs. The face across is unfolded beside the side's own face. */
+/* Returns the direction of a segment in the frame of one side of an edge. The segment ends on this
+ * edge or runs along it. If the segment lies in the face across the edge, this face is unfolded
+ * into the plane of the side's face. */
 static inline struct gd__local gd__direction_from_edge(const struct gd_mesh *mesh, uint32_t side,
                                                        const struct gd__placed_segment *placed)
 {
@@ -131,8 +135,8 @@ gd__directions_from_other_side(struct gd__segment_directions directions)
     return directions;
 }
 
-/* Returns true if a segment is nearer than the joint to the point at `v` from the joint, by more
- * than rounding. */
+/* `v` is the vector from the joint to a point. Returns true if a segment is nearer to this point
+ * than the joint, by more than rounding errors. */
 static inline bool gd__is_ahead(const struct gd__segment_directions *directions, struct gd__local v)
 {
     double beside = GD_TOL_ONWARD * (fabs(v.x) + fabs(v.y));
@@ -141,7 +145,8 @@ static inline bool gd__is_ahead(const struct gd__segment_directions *directions,
     return false;
 }
 
-/* Returns true if the two segments are straight at the joint. Then only a line lies behind both. */
+/* Returns true if the two segments form a straight line at the joint. Then only the points of one
+ * line are behind both. */
 static inline bool gd__is_straight(const struct gd__segment_directions *directions)
 {
     const struct gd__local *a = &directions->along[0], *b = &directions->along[1];

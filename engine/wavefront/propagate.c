@@ -1,18 +1,18 @@
 #include "base/prefetch.h"
 #include "wavefront/wavefront.h"
 
-/* Visits of a side after which its windows are pruned. On real meshes few sides have more than
- * three. */
+/* Number of visits of a side after which its windows are pruned. On real meshes, few sides have
+ * more than three visits. */
 #define PRUNE_AFTER 8
-/* Visits of a side after which its wedges are stored for pruning, in a propagation that does not
- * store them anyway. */
+/* Number of visits of a side after which its wedges are stored for pruning. This is for
+ * propagations that compute distances only; others store all wedges. */
 #define STORE_AFTER  4
 #define LINE         64 /* bytes of a cache line */
 #define LINES_BEFORE 16 /* number of cache lines for the wedges of a few lists */
 #define LINES_AHEAD  3  /* number of cache lines for the wedges of one list */
 
-/* Prefetches the cache lines of the next lists, because wedges are written to memory that is not in
- * the cache. */
+/* Prefetches the cache lines for the wedges of the next lists, because this memory is not in the
+ * cache. */
 GD__PREFETCH prefetch_ahead(const char *end)
 {
     for (int i = 0; i < LINES_AHEAD; i++)
@@ -85,8 +85,8 @@ static void deliver_children(struct gd__wavefront *front, const struct gd__recei
     gd__wavefront_deliver(front, to, children);
 }
 
-/* Returns true if the ray through that end of a window passes (px, py) at a distance of more than
- * `apart`. */
+/* Returns true if the ray through the end `end` of window `at` passes (px, py) at a distance of
+ * more than `apart`. */
 static inline bool passes_far_off(const struct gd__windows *w, uint32_t at, double end, double px,
                                   double py, double apart)
 {
@@ -95,9 +95,9 @@ static inline bool passes_far_off(const struct gd__windows *w, uint32_t at, doub
            !gd__source_is_linear(w->source[at]);
 }
 
-/* Offers the apex the path that bends at the end of a window beside the apex. This path is needed
- * if rounding removed the window that would see the apex. Only the two windows beside the apex need
- * it. */
+/* Offers the apex a path that bends at an end of a window. This path is needed if rounding has
+ * removed the window that would see the apex. Only the two windows that are closest to the line of
+ * sight to the apex need such paths. */
 static inline void offer_bend(struct gd__apex *apex, const struct gd_side *s,
                               const struct gd__windows *w, uint32_t at, double end)
 {
@@ -147,8 +147,8 @@ void gd__cast(struct gd__wavefront *front, const struct gd__receiver *at,
 }
 
 /* Returns true if the distance of the window's source decreased after the source cast the window,
- * by more than the tie of a contest. The source casts its windows again, so this window must not
- * win against them. */
+ * by more than GD_TOL_STALE. The source casts its windows again, and this window must not win
+ * against the new ones. */
 static bool is_stale(const struct gd__wavefront *front, const struct gd__windows *w, uint32_t i,
                      double length)
 {
@@ -174,7 +174,7 @@ static uint32_t drop_stale(const struct gd__wavefront *front, const struct gd__w
     return kept;
 }
 
-/* Removes the windows of a side that cannot be part of a shortest path. */
+/* Removes the parts of a side's windows that cannot be part of a shortest path. */
 static enum gd_status prune_windows(struct gd__wavefront *front, const struct gd__receiver *at,
                                     const struct gd__list *list, struct gd__windows *windows,
                                     uint32_t *count)

@@ -2,14 +2,16 @@
 #include "wavefront/wavefront.h"
 
 /* Pruning: compares windows with the stored wedges of their edge (the paper's merged list of an
- * edge, Property 3). Ends of wedges are stored to 2^-32 of the edge. Narrower pieces are dropped,
- * because the windows beside them cover their rays.
+ * edge, Property 3). Ends of wedges are stored with an error of 2^-32 of the edge. Pieces that are
+ * only a few times as wide as this error are dropped, because the neighbouring windows cover their
+ * rays.
  *
  * A wedge stores its source, not the source's distance when it was stored. If that distance has
- * decreased since, the wedge was propagated with the longer one. Computed with the decreased
- * distance, the wedge would tie with the windows of the later emission, which must propagate. So
- * chunks older than the source's present distance are skipped, and waiting windows with an older
- * distance are dropped before they are stored. */
+ * decreased since, the wedge was propagated with the longer distance. But its distances are now
+ * computed with the decreased one. So the wedge would tie with the windows that the source has
+ * emitted again, and would prune them, although they must propagate. So chunks older than the
+ * source's present distance are skipped, and waiting windows with an older distance are dropped
+ * before they are stored. */
 
 #define NARROW (4 * GD__WEDGE_UNIT)
 
@@ -33,7 +35,7 @@ void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chun
 }
 
 /* Removes the parts of `w` where the stored windows are better, and appends the remaining pieces.
- * *first is the first stored window that may overlap this or a later window. */
+ * *first is the index of the first stored window that may overlap `w` or a later window. */
 static void cut_window(const struct gd__window *w, const struct gd__stack *stored, bool own,
                        double narrow, uint32_t *first, struct gd__stack *out)
 {

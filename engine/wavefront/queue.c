@@ -5,7 +5,8 @@
 
 #define MASK     (GD__QUEUE_BUCKETS - 1)
 #define SMALLEST 256 /* smallest capacity of a bucket's array */
-/* number of buckets before the first key, see gd__queue_begin: some edge lengths */
+/* Number of buckets for keys smaller than the key of gd__queue_begin. They span some edge
+ * lengths. */
 #define BEFORE 16
 
 struct gd__queue *gd__queue_create(void)
@@ -55,7 +56,8 @@ static bool make_room(struct gd__queue *queue, struct gd__bucket *bucket)
         *bucket = queue->spare[--queue->spare_count];
         return true;
     }
-    if (bucket->head > bucket->capacity / 2) { /* the bucket is filled while it is being emptied */
+    /* nodes are pushed into the bucket while it is being emptied */
+    if (bucket->head > bucket->capacity / 2) {
         memmove(bucket->nodes, bucket->nodes + bucket->head,
                 sizeof *bucket->nodes * (bucket->count - bucket->head));
         bucket->count -= bucket->head;

@@ -1,10 +1,11 @@
 /* Queue: circular buckets of small integers (sides and vertices), in order of distance up to the
- * width of a bucket. A node whose key decreases gets another entry, and its old entry becomes
- * stale. The owner of a node stores the bucket in which the node waits, and ignores its entries in
- * other buckets. Within a bucket the order is first in, first out. A key beyond the ring goes to
- * the last bucket. The order affects the time, but never the exactness, because sides and vertices
- * are processed again when shorter paths reach them. First in, first out keeps the work polynomial
- * if a whole component is in one bucket. One owner, one thread. */
+ * width of a bucket. If the key of a node decreases, the node gets a second entry, and its old
+ * entry becomes stale. The owner of a node stores the bucket in which the node waits, and ignores
+ * the node's entries in other buckets. Within a bucket the order is first in, first out. A node
+ * whose key is too large for the ring of buckets goes to the last bucket. The order affects the
+ * time, but never the exactness, because sides and vertices are processed again when shorter paths
+ * reach them. First in, first out keeps the work polynomial if a whole component is in one bucket.
+ * One owner, one thread. */
 #ifndef GD_WAVEFRONT_QUEUE_H
 #define GD_WAVEFRONT_QUEUE_H
 
@@ -23,7 +24,7 @@ struct gd__bucket {
 
 struct gd__queue {
     struct gd__bucket bucket[GD__QUEUE_BUCKETS];
-    /* arrays of emptied buckets for reuse; the newest, which is in the cache, is taken first */
+    /* arrays of emptied buckets for reuse; the newest is taken first, because it is in the cache */
     struct gd__bucket spare[GD__QUEUE_BUCKETS];
     uint32_t spare_count;
     uint32_t current; /* number of the current bucket; no node waits in a lower one */
@@ -36,21 +37,21 @@ struct gd__queue {
 struct gd__queue *gd__queue_create(void);
 void gd__queue_destroy(struct gd__queue *queue); /* accepts NULL */
 
-/* Removes all entries. Owners of waiting nodes must reset their buckets themselves. */
+/* Removes all entries. The owner of a waiting node must set the node's stored bucket to GD_NONE. */
 void gd__queue_clear(struct gd__queue *queue);
 
 /* Sets the width of buckets, > 0. The queue must be empty. */
 void gd__queue_set_width(struct gd__queue *queue, double bucket_width);
 
-/* Sets the first bucket of the empty queue to `key`. A ring that began at zero might not reach the
- * keys. Later keys may be smaller by a few edge lengths only. */
+/* Makes the empty queue begin near `key`. If the ring of buckets began at zero, large keys might be
+ * beyond its end. Later keys may be smaller than `key` by a few edge lengths only. */
 void gd__queue_begin(struct gd__queue *queue, double key);
 
 /* Returns the bucket number of a key. A negative key, which is due to rounding, goes to the first
  * bucket. */
 static inline uint32_t gd__queue_number(const struct gd__queue *queue, double key)
 {
-    const double farthest = 4e9; /* a number of buckets below the largest bucket number */
+    const double farthest = 4e9; /* below the largest bucket number */
     double exact = key * queue->buckets_per_length;
     return exact < farthest ? (uint32_t)exact : (uint32_t)farthest;
 }
@@ -75,7 +76,7 @@ static inline void gd__queue_push(struct gd__queue *queue, uint32_t node, double
     uint32_t number = gd__queue_number(queue, key), last = queue->current + GD__QUEUE_BUCKETS - 1;
     if (number < queue->current) number = queue->current;
     if (number > last) number = last;
-    /* false if *waiting is GD_NONE, which is larger than any bucket */
+    /* this is false if *waiting is GD_NONE, which is larger than any bucket */
     if (*waiting <= number) return;
     struct gd__bucket *bucket = &queue->bucket[number & (GD__QUEUE_BUCKETS - 1)];
     if (bucket->count < bucket->capacity)
@@ -88,8 +89,8 @@ static inline void gd__queue_push(struct gd__queue *queue, uint32_t node, double
  * node waits in the current bucket. Amortised O(1). */
 uint32_t gd__queue_pop(struct gd__queue *queue);
 
-/* Returns the entry `places` positions behind the last popped entry, as a hint for prefetching.
- * GD_NONE if it is in neither the current nor the next bucket. */
+/* Returns the entry `places` positions behind the last popped entry, for prefetching. Returns
+ * GD_NONE if this position is in neither the current nor the next bucket. */
 static inline uint32_t gd__queue_peek(const struct gd__queue *queue, uint32_t places)
 {
     const struct gd__bucket *b = &queue->bucket[queue->current & (GD__QUEUE_BUCKETS - 1)];

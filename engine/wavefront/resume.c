@@ -4,26 +4,29 @@
 
 /* Resuming: continues a propagation that ended at a bound (doc 022). Copies the distances,
  * predecessors and wedges of that propagation. All of them describe existing paths, and those
- * within the bound are final. The windows that the bound cut off are generated again from stored
- * data: from children of wedges, from vertices that emitted, and from vertices beyond the bound,
- * which have not emitted with their stored distance yet.
+ * within the bound are final. The windows that were dropped because of the bound are generated
+ * again from stored data: they are cast from the stored wedges, emitted by vertices that have
+ * emitted before, and emitted by vertices beyond the bound, which have not yet emitted with their
+ * stored distance.
  *
- * A window is useful on an edge only where it is shorter than the paths along the edge from its
- * ends. Where those paths lie within the bound, no window is missing. On all other edges all wedges
- * are cast again. The ends of wedges are stored to 2^-32 of an edge. A child (a window cast from a
- * wedge) is dropped if its nearest point lies within the bound by more than this rounding. In this
- * case the bound cannot have cut the child off. Windows that are cast twice cost time only. Windows
- * are cast without joining, so that a window that was cut off is not joined to a window that was
- * kept. */
+ * A window is useful on an edge only where its distance is shorter than the paths along the edge
+ * from the edge's ends. If these paths are within the bound on the whole edge, no window is missing
+ * there. On all other edges, all wedges are cast again. A child (a window cast from a wedge) is
+ * dropped if its smallest distance is below the bound by more than a rounding error, because the
+ * bound cannot have been the reason to drop such a child in the earlier propagation. The rounding
+ * error comes from the ends of wedges, which are stored with an error of 2^-32 of an edge. A window
+ * that is cast twice costs only time. Windows are not joined here, so that a window that was
+ * dropped is not joined to a window that was kept. */
 
 #define COPY_BYTES  ((size_t)1 << 20) /* bytes copied between two checks of the monitor */
 #define CHECK_NODES 1024              /* edges or vertices between two checks of the monitor */
 
-/* Returns a bound, at most the side's length, on how far the end of a window has moved since the
- * window was first cast. The rounding of a wedge's end turns the ray through it, and a slanted ray
- * moves farther along the side. The bound that follows from this rounding holds if the ray is
- * longer than twice the longest edge of the face. Then at least half of the ray lies before the
- * face. */
+/* Returns a bound on the distance along the side by which the end of a window differs from its end
+ * when the window was first cast. The bound is at most the side's length. The difference arises
+ * because the rounding of a wedge's end turns the ray through this end; the more slanted the ray,
+ * the larger the difference along the side. The formula holds if the ray is longer than twice the
+ * longest edge of the face, so that at least half of the ray lies before the face. Otherwise the
+ * bound is the side's length. */
 static double end_slack(const struct gd__wavefront *front, uint32_t side,
                         const struct gd__window *w)
 {
@@ -67,8 +70,8 @@ static void copy_checked(struct gd__wavefront *front, void *to, const void *from
 }
 
 /* Copies the stored data. Afterwards any element of the workspace may be dirty. A vertex beyond the
- * bound may have emitted with an earlier distance. `emitted` of such a vertex is set to 0, which
- * states that the vertex may have emitted. */
+ * bound may have emitted with an earlier, longer distance. Its `emitted` is set to 0, which means
+ * that the vertex may have emitted. */
 static void copy_partial_field(struct gd__wavefront *front, const struct gd__partial_state *partial)
 {
     const struct gd_mesh *mesh = front->mesh;
@@ -109,10 +112,10 @@ static bool leads_beyond(const struct gd__wavefront *front, uint32_t side)
            is_open(front, apex, mesh->origin[side ^ 1], s->right_length);
 }
 
-/* Restores the common end of two windows to its position before rounding, if that end is the border
- * of a shadow. In this case the ray from the farther source through the end passes through the
- * nearer source. On the ray the windows tie in distance and direction. Windows that did not meet
- * exactly on the ray would overlap, and would be contested on edge after edge. */
+/* Restores the common end of two windows to its position before rounding, if this end is the border
+ * of a shadow. In this case the nearer source lies on the ray from the farther source through the
+ * end, and both windows give the same distance and direction along this ray. If the windows did not
+ * meet exactly on the ray, their children would overlap and be contested on every later edge. */
 static void mend_end(struct gd__window *a, struct gd__window *b, double length)
 {
     if (a->b1 != b->b0 || gd__window_is_linear(a) || gd__window_is_linear(b)) return;

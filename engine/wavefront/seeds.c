@@ -4,7 +4,7 @@
 /* Seeds: the first windows of each source. A point emits into its face (or the two faces of its
  * edge, or the fan of its vertex). A segment emits to both sides at right angles. A joint is a
  * point where segments of a curve end. It emits only into directions at an angle of 90 degrees or
- * more to each of these segments; the segments cover the other directions. */
+ * more to each of these segments. In other directions, a point of a segment is nearer. */
 
 #define ARRAYS       6 /* arrays of struct gd__windows */
 #define BLOCKS_AHEAD 2
@@ -13,13 +13,13 @@
 
 /* --- points ----------------------------------------------------------------------------------- */
 
-/* Prefetches the cache lines that a later window will fill. Most windows begin a list, in a block
- * of the pool that is not in the cache. */
+/* Prefetches the cache lines to which a later window will be written. Most windows are the first of
+ * their list, and their block of the pool is not in the cache. */
 GD__PREFETCH prefetch_block(const struct gd__pool *pool)
 {
     /* bytes of an array in a block for one window: two groups */
     const size_t array = 2 * GD__WINDOWS_GROUP * sizeof(double);
-    /* this address may lie beyond the chunk */
+    /* the address may be beyond the end of the chunk; prefetching it is harmless */
     uintptr_t block = (uintptr_t)pool->cursor + 2 * BLOCKS_AHEAD * GD__LIST_POOL_ITEM;
     for (size_t i = 0; i < ARRAYS; i++) __builtin_prefetch((const void *)(block + i * array), 1);
 }
@@ -32,8 +32,9 @@ seed_side(struct gd__wavefront *front, uint32_t side, const struct gd__window *w
     gd__wavefront_offer(front, side, window);
 }
 
-/* Emits a seed's window from its face across a part of `side`, a side of that face. A seed almost
- * on the side sees all of it, because the ends of a part would not determine the angle. */
+/* Emits a window from a seed through a part of `side`, a side of the seed's face. If the seed lies
+ * almost on the side, the window covers the whole side, because the ends of a part would not
+ * determine the angle. */
 static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                         struct gd__local at, struct gd__part part)
 {
@@ -98,7 +99,7 @@ static void seed_face(struct gd__wavefront *front, struct gd__segment_cache *cac
                                point->weight[(k + 2) % 3]);
         directions[k] = gd__directions_in_face(&joint, k);
     }
-    /* the segments of a straight joint also reach the corners beside it */
+    /* if the joint is straight, its segments offer the corners their distances */
     if (gd__is_straight(&directions[0])) return;
     struct gd__polar polar;
     bool is_beside = is_apart(&joint) && gd__polar_beside(mesh, point, &polar);
@@ -106,7 +107,7 @@ static void seed_face(struct gd__wavefront *front, struct gd__segment_cache *cac
         const struct gd_side *s = &mesh->side[sides[k]];
         struct gd__local way =
             is_beside ? to_apex_of_face(s, point->weight[k], point->weight[(k + 1) % 3])
-                      /* is rounded in the same way as the paths from the joint's segments */
+                      /* this is rounded in the same way as the paths from the joint's segments */
                       : to_apex(s, at[k]);
         seed_apex(front, seed, sides[k], at[k], way, &directions[k]);
     }
@@ -120,8 +121,8 @@ static void seed_face(struct gd__wavefront *front, struct gd__segment_cache *cac
     if (is_beside) gd__emit_beside(front, seed, &polar);
 }
 
-/* Emits from a point of an edge across two sides of a face of the edge: the other two sides of the
- * face of `side`. Skips a side that ends in `vertex` (GD_NONE if there is none). */
+/* Emits from a point of an edge into the face of `side`, a side of this edge, through the face's
+ * other two sides. Skips a side that ends at `vertex`, which may be GD_NONE. */
 static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t side, double t,
                            uint32_t vertex, const struct gd__segment_directions *directions)
 {
@@ -130,7 +131,8 @@ static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t 
     const struct gd_side *s = &mesh->side[side];
     struct gd__local origin = {-t, 0}, destination = {s->length - t, 0},
                      apex = to_apex(s, (struct gd__local){t, 0});
-    double u = t / s->length; /* weights 1 - u, u, 0 of origin, destination and apex */
+    /* the barycentric weights of origin, destination and apex are 1 - u, u, 0 */
+    double u = t / s->length;
     uint32_t next = gd__side_next(mesh, side), previous = gd__side_previous(mesh, side);
     if (mesh->origin[next] != vertex)
         seed_across(front, seed, next, gd__side_local(&mesh->side[next], 0, 1 - u),
@@ -163,12 +165,12 @@ static void seed_edge(struct gd__wavefront *front, struct gd__segment_cache *cac
     const struct gd__joint joint = gd__joint_of(front, cache, seed);
     const struct gd__segment_directions directions =
         gd__directions_from_edge(front->mesh, &joint, side);
-    /* the segments of a straight joint reach the corners, as for a point in a face */
+    /* if the joint is straight, its segments offer the corners their distances */
     if (gd__is_straight(&directions)) return;
     const struct gd__segment_directions other = gd__directions_from_other_side(directions);
     struct gd__polar polar = {.vertex = GD_NONE};
     bool is_beside = is_apart(&joint) && gd__polar_beside(front->mesh, point, &polar);
-    /* is rounded in the same way as the ends of the joint's segments */
+    /* this is rounded in the same way as the ends of the joint's segments */
     double rest = is_beside ? gd__edge_rest(point) * length : length - t;
     seed_corners(front, seed, side, t, &directions);
     seed_corners(front, seed, side ^ 1, rest, &other);
@@ -216,8 +218,8 @@ static void seed_along_edge(struct gd__wavefront *front, uint32_t seed, uint32_t
     if (!gd__side_is_boundary(mesh, 2 * edge + 1)) seed_side(front, 2 * edge + 1, &mirrored);
 }
 
-/* Emits from a segment out of its face across a side, through the part of the side that lies at
- * right angles to the chord. */
+/* Emits from a segment across a side of its face, at right angles to the chord. The window covers
+ * the part of the side that the perpendiculars to the chord reach. */
 static void seed_strip_across(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                               const struct gd__chord *chord)
 {
@@ -237,8 +239,8 @@ static void seed_strip_across(struct gd__wavefront *front, uint32_t seed, uint32
     if (w.b1 - w.b0 > GD_TOL_WIDTH * length) seed_side(front, side ^ 1, &w);
 }
 
-/* Returns true if the vertex is an end of the segment. The end is a separate seed. The segment is
- * as near to the vertex up to rounding, but must not replace this seed. */
+/* Returns true if the vertex is an end of the segment. The end is a separate seed. The segment has
+ * the same distance from the vertex up to rounding, but must not replace this seed. */
 static bool is_end(const struct gd__wavefront *front, uint32_t seed, uint32_t vertex)
 {
     const struct gd_point *ends[2] = {&front->seeds[seed].point, &front->seeds[seed].end};
@@ -247,8 +249,9 @@ static bool is_end(const struct gd__wavefront *front, uint32_t seed, uint32_t ve
     return false;
 }
 
-/* Offers the apex of `side` the straight path at right angles to the chord. At the end of a segment
- * that continues straight, the perpendicular may miss the chord by rounding. */
+/* Offers the apex of `side` the straight path at right angles to the chord. If the next segment
+ * continues straight, the foot of the perpendicular may lie outside both chords by rounding, so a
+ * tolerance is added. */
 static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                                  const struct gd__chord *chord)
 {
@@ -285,7 +288,7 @@ static void seed_segment(struct gd__wavefront *front, struct gd__segment_cache *
 
 /* --- all seeds -------------------------------------------------------------------------------- */
 
-/* Returns side 0 of the edge of a seed; GD_NONE means that the seed does not lie or begin on an
+/* Returns side 0 of the edge on which a seed lies or begins, or GD_NONE if there is no such
  * edge. */
 static uint32_t side_of_seed(const struct gd__wavefront *front, uint32_t seed)
 {
@@ -348,9 +351,9 @@ static bool is_at_vertex(const struct gd__seed *seed)
     return !seed->is_segment && seed->point.kind == GD_POINT_VERTEX;
 }
 
-/* Vertices emit last, when the nearest of their seeds is known. Otherwise a vertex could cast a
- * window with a distance that decreases later. This window would then be dropped as stale, even if
- * ties had removed all other windows there. */
+/* Seeds at vertices emit last, when the nearest seed of each vertex is known. Otherwise a vertex
+ * could cast a window with a distance that decreases later. The window would then be dropped as
+ * stale. This would leave a gap if the window had removed other windows in ties. */
 void gd__emit_seeds(struct gd__wavefront *front)
 {
     struct gd__segment_cache cache;

@@ -6,20 +6,22 @@
 #include "base/prefetch.h"
 
 /* Width of a bucket relative to the grain (mean of the shortest edges of faces, mesh/topology.h).
- * Narrower buckets cause more rounds. Wider buckets propagate the windows of a side in several
- * parts, which takes quadratic time on needle-shaped faces. */
+ * With narrower buckets, there are more rounds. With wider buckets, the windows of a side are
+ * propagated in several parts, which takes quadratic time on needle-shaped faces. */
 #define BUCKET_WIDTH 0.3
-/* Position of a side's key between the distances of its nearer end (0) and its farther end (1). */
+/* The key of a side is an interpolation between the distances of its nearer end (weight 0) and its
+ * farther end (weight 1). */
 #define KEY_WEIGHT 0.25
 /* Windows propagated between two checks of the monitor. Each side or vertex counts as ITEM_WINDOWS
  * windows. The interval is well under a millisecond. */
 #define CHECK_WINDOWS 4096
 #define ITEM_WINDOWS  16
-#define RECORDS_AHEAD 9 /* number of queue entries, see prefetch_records */
+/* records are prefetched this number of queue entries ahead (prefetch_records) */
+#define RECORDS_AHEAD 9
 #define NAMED_AHEAD   5
 #define WORK_AHEAD    2
-/* Number of sides of a mesh that nearly fits a second-level cache. Prefetching more than records
- * costs 3 % there. */
+/* Number of sides of a mesh that nearly fits into a second-level cache. On such a mesh, prefetching
+ * more than the records costs 3 %. */
 #define SIDES_IN_CACHE 20000
 #define WORK_LEAST     (UINT64_C(1) << 25) /* number of windows: about a second of work */
 #define WORK_FACTOR    64
@@ -41,8 +43,8 @@ static void shrink_bound(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
-/* Stores where the chunks of the vertex' new distance begin. The page of such a vertex must not be
- * reused. */
+/* Stores the offset at which chunks with the vertex' new distance begin. The page of such a vertex
+ * must not be reused. */
 static void note_fall(struct gd__wavefront *front, uint32_t vertex)
 {
     uint32_t valid_from = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
@@ -91,10 +93,10 @@ void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double di
     if (!front->status) set_distance(front, vertex, distance, &predecessor);
 }
 
-/* Returns the key of a side and its list. An end that is not reached yet counts as one edge length
- * farther than the other end. If neither end is reached, as before a narrow cone, the key is the
- * nearest distance of the waiting windows. Branchless, because a branch would be mispredicted half
- * of the time. */
+/* Returns the key of a side and its list. If one end has no distance yet, its distance counts as
+ * one edge length more than that of the other end. If both ends have no distance yet, as in front
+ * of a narrow cone of windows, the key is the smallest distance of the waiting windows. Branchless,
+ * because a branch would be mispredicted half of the time. */
 static double key_of(const struct gd__receiver *to, const struct gd__list *list)
 {
     double near = to->d0 < to->d1 ? to->d0 : to->d1, apart = fabs(to->d0 - to->d1),
@@ -138,7 +140,7 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
         return;
     }
     struct gd__list *list = open_list(front, to->side);
-    if (!list) return; /* the pool frees the block of `children` together with all others */
+    if (!list) return; /* the block of `children` is freed with the pool */
     gd__wavefront_note_windows(front, list, to->side, children->count);
     if (!list->count || to->distance_drops < list->distance_drops)
         list->distance_drops = to->distance_drops;
@@ -167,7 +169,8 @@ void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
         return;
     }
     struct gd__list *list = &front->lists[side];
-    gd__wavefront_note_windows(front, list, side, 1); /* keeps the oldest window's distance_drops */
+    /* the list keeps the distance_drops of its oldest window */
+    gd__wavefront_note_windows(front, list, side, 1);
     front->status =
         gd__list_add_one(list, &front->work->pool, window,
                          front->narrowest * front->mesh->side[side].length, &front->work->scratch);
@@ -177,8 +180,8 @@ void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
 
 /* --- opening ---------------------------------------------------------------------------------- */
 
-/* Stores the corners of the target's faces and the straight distances to them. They give an upper
- * bound of the target's distance at any time. */
+/* Stores the corners of the target's faces and their straight distances from the target. With them,
+ * the distances of the corners give an upper bound of the target's distance at any time. */
 static void set_target(struct gd__wavefront *front, const struct gd_point *target)
 {
     struct gd__anchor anchor = {.corner = {GD_NONE, GD_NONE, GD_NONE, GD_NONE}};
@@ -189,9 +192,9 @@ static void set_target(struct gd__wavefront *front, const struct gd_point *targe
     }
 }
 
-/* Returns the width of a bucket, which fits the smallest component that holds a seed. With the
- * width of a large component, all nodes of a component a million times smaller would be in one
- * bucket. */
+/* Returns the width of a bucket. It is computed for the smallest component that has a seed. With
+ * the width for a large component, all nodes of a component that is a million times smaller would
+ * be in one bucket. */
 static double bucket_width(const struct gd__wavefront *front)
 {
     double least = GD__FAR;
@@ -204,8 +207,8 @@ static double bucket_width(const struct gd__wavefront *front)
     return BUCKET_WIDTH * least;
 }
 
-/* Returns a limit far above the windows of any real mesh: smooth surfaces have about n^1.5
- * windows. */
+/* Returns a limit on the number of windows, far above that of any real mesh. Meshes of smooth
+ * surfaces with n faces have about n^1.5 windows. */
 static uint64_t work_limit(const struct gd_mesh *mesh)
 {
     double sides = 2 * (double)mesh->edge_count;
@@ -259,7 +262,7 @@ static enum gd_status wavefront_open(struct gd__wavefront *front,
 
 /* --- the loop --------------------------------------------------------------------------------- */
 
-/* Called after a record of a page was processed: the page may be idle now. */
+/* Called after a record of a page was processed. If no other record waits, the page is idle. */
 static void leave_page(const struct gd__wavefront *front, struct gd__pages *pages,
                        struct gd__page *page)
 {
@@ -291,7 +294,7 @@ static void work_on_vertex(struct gd__wavefront *front, uint32_t vertex)
         leave_page(front, &front->paged->vertices, &gd__paged_vertex(front->paged, vertex)->page);
 }
 
-/* Prefetches the records of a queued node: the first of three steps. */
+/* The first of three steps of prefetching: the records of a queued node. */
 GD__PREFETCH prefetch_records(const struct gd__wavefront *front, uint32_t node)
 {
     const struct gd_mesh *mesh = front->mesh;
@@ -308,7 +311,7 @@ GD__PREFETCH prefetch_records(const struct gd__wavefront *front, uint32_t node)
     }
 }
 
-/* Prefetches the data that the records refer to: the second step. */
+/* The second step: the data to which these records refer. */
 GD__PREFETCH prefetch_named(const struct gd__wavefront *front, uint32_t node)
 {
     const struct gd_mesh *mesh = front->mesh;
@@ -328,7 +331,7 @@ GD__PREFETCH prefetch_named(const struct gd__wavefront *front, uint32_t node)
     }
 }
 
-/* Prefetches the data that the second step's data refers to: the third step. */
+/* The third step: the data to which the data of the second step refers. */
 GD__PREFETCH prefetch_work(const struct gd__wavefront *front, uint32_t node)
 {
     const struct gd_mesh *mesh = front->mesh;

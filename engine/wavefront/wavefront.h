@@ -28,18 +28,18 @@ struct gd__seed {
     double offset;
     struct gd_point end;
     bool is_segment;
-    /* Face that a segment crosses; GD_NONE means along an edge. Set when seeds are indexed, before
-     * propagation. The value in an image is ignored. */
+    /* Face that a segment crosses, or GD_NONE if the segment runs along an edge. Set when seeds are
+     * indexed, before propagation. The value in a stored image of a field is ignored. */
     uint32_t face;
 };
 
 /* Optimisations that are switched off. All false is the fastest variant. The distances of all
  * variants agree up to rounding. A field that fails its check is built again in another variant,
- * where rounding affects other windows (field.c). */
+ * because other rounding errors occur there (field.c). */
 struct gd__variant {
     bool no_filter; /* true if windows are not compared with the distances of their edge's ends */
-    /* true if saddle and boundary vertices emit in all directions, not only into their shadow
-       cone */
+    /* true if saddle and boundary vertices emit into all directions instead of only into their
+       shadow cone */
     bool no_cone;
     bool no_coalescing; /* true if neighbouring windows of one source are not joined */
 #ifdef GD_ABLATION      /* tests/bench only */
@@ -50,7 +50,7 @@ struct gd__variant {
 /* State of an earlier propagation of the same seeds that ended at a bound. The arrays are those of
  * a partial field and have the mesh's sizes. */
 struct gd__partial_state {
-    double bound; /* normalised unit, below GD__FAR: distances up to here are final */
+    double bound; /* distances up to this one are final; normalised unit, below GD__FAR */
     const double *distance;
     const struct gd__predecessor *predecessor;
     const uint32_t *newest;
@@ -67,8 +67,8 @@ struct gd__propagation {
     const struct gd__partial_state *partial;
     double radius;                 /* normalised unit; GD__FAR means no limit */
     const struct gd_point *target; /* NULL means no target */
-    /* Bounds for one target. With a guide only the target's distance and path are final. NULL means
-       that there is none. */
+    /* Bounds for one target. With a guide, only the target's distance and path are final. NULL
+       means no guide. */
     struct gd__guide *guide;
     /* Computes distances only, in little memory: the sink reads front->distance. Wedges are stored
      * for gd__prune_by_stored only. Requires no guide and no `partial`. */
@@ -95,7 +95,8 @@ struct gd__wavefront {
     const struct gd__kernel *kernel;
 
     struct gd_workspace *work;
-    /* Paged records, if wedges are not kept. NULL means that the arrays below are used. */
+    /* Paged records, if only distances are computed. Otherwise NULL, and the arrays below are
+       used. */
     struct gd__paged *paged;
     struct gd__list *lists; /* the workspace's arrays, described in workspace.h */
     double *distance, *emitted;
@@ -108,14 +109,14 @@ struct gd__wavefront {
     uint32_t distance_drops;
 
     struct gd__guide *guide;
-    /* Least width of pieces when lists are merged, relative to the edge. Narrower pieces are
-     * dropped. */
+    /* When lists are merged, pieces narrower than this are dropped. Relative to the length of the
+     * edge. */
     double narrowest;
     /* Windows and distances beyond this bound are not needed. It shrinks with the target's
      * distance. */
     double bound;
-    /* During gd__resume: windows that are surely within this distance are not needed again. 0 means
-       that all are needed. */
+    /* During gd__resume: windows whose distances are certainly within this one are not needed
+       again. 0 means that all windows are needed. */
     double inner;
     bool takes_all;            /* true if lists accept windows at any distance */
     uint32_t target_corner[4]; /* vertices of the target's faces, padded by GD_NONE */
@@ -128,9 +129,9 @@ struct gd__wavefront {
     struct gd__work_counts counts;
 };
 
-/* Receives the result. Called once, when all distances and wedges are final. It may take the
- * workspace's distance, predecessor, newest and wedges; it must then leave NULL in their place and
- * the region closed. The other arrays are reused. */
+/* Receives the result. Called once, when all distances and wedges are final. The sink may take the
+ * workspace's arrays distance, predecessor, newest and wedges. It must then set their pointers to
+ * NULL and leave the region closed. The other arrays are reused. */
 struct gd__sink {
     enum gd_status (*take)(void *user, struct gd__wavefront *front);
     void *user;
@@ -188,7 +189,8 @@ static inline struct gd__predecessor *gd__wavefront_predecessor(const struct gd_
                : &front->predecessor[vertex];
 }
 
-/* Returns where the chunks of the vertex' present distance begin; 0 if unknown. */
+/* Returns the offset at which the chunks with the vertex' present distance begin, or 0 if it is
+ * unknown. */
 static inline uint32_t gd__wavefront_valid_from(const struct gd__wavefront *front, uint32_t vertex)
 {
     if (!front->paged) return front->work->valid_from[vertex];
@@ -196,8 +198,8 @@ static inline uint32_t gd__wavefront_valid_from(const struct gd__wavefront *fron
     return page ? page->valid_from[vertex % GD__PAGE_VERTICES] : 0;
 }
 
-/* Returns the distance of the pseudo-source of a stored wedge. A linear wedge stores its own
- * sigma. */
+/* Returns the sigma of a stored wedge: the distance of its pseudo-source. A linear wedge stores its
+ * sigma itself. */
 static inline double gd__wavefront_sigma(const struct gd__wavefront *front,
                                          const struct gd__window *w)
 {
@@ -207,19 +209,19 @@ static inline double gd__wavefront_sigma(const struct gd__wavefront *front,
                                 : front->seeds[w->source - vertices].offset;
 }
 
-/* Offers a vertex a distance. If it is strictly shorter, stores it, and queues the vertex if paths
- * may bend there. */
+/* Offers a vertex a distance. If this distance is strictly shorter than the vertex' distance,
+ * stores it, and queues the vertex if paths may bend there. */
 void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance,
                          struct gd__predecessor predecessor);
 
-/* A side that receives windows, with values that the sender has already loaded. */
+/* A side that receives windows, with values that the caller has already loaded. */
 struct gd__receiver {
     uint32_t side;
     double length;
     double d0, d1; /* distances of the side's ends */
     /* lower bounds of the distances from the ends to the target; 0 without a guide */
     double l0, l1;
-    /* front->distance_drops when the sigma of the windows was read */
+    /* value of front->distance_drops when the sigma of the windows was read */
     uint32_t distance_drops;
 };
 
@@ -236,8 +238,8 @@ static inline struct gd__receiver gd__wavefront_receiver(const struct gd__wavefr
                                  front->distance_drops};
 }
 
-/* Offers a side new windows and queues the side. The windows are consumed: their order does not
- * change, but their ends may be cut. */
+/* Offers a side new windows and queues the side. The side takes over the windows. Their order does
+ * not change, but their ends may be cut. */
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to,
                            struct gd__children *windows);
 
@@ -250,13 +252,14 @@ static inline void gd__wavefront_note_windows(struct gd__wavefront *front, struc
     list->touched = true;
 }
 
-/* Like gd__wavefront_offer, for a list that is not empty, or if not every window is accepted. */
+/* Like gd__wavefront_offer, but also for a list that is not empty, and for wavefronts that do not
+ * accept every window. */
 void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
                                    const struct gd__window *window);
 
-/* Offers a side one window. If every window is accepted, the side's key is the distance in the
- * middle of the window. This key orders the queue as well as the distances of the side's ends
- * would. So these distances need not be loaded. */
+/* Offers a side one window. If the wavefront accepts every window, the side's key is the distance
+ * in the middle of the window. This key orders the queue as well as a key from the distances of the
+ * side's ends, which then need not be loaded. */
 static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t side,
                                        const struct gd__window *window)
 {
@@ -279,7 +282,7 @@ void gd__emit_seeds(struct gd__wavefront *front);
 void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex);
 
 /* emit.c: emits from a seed beside a vertex into the faces of the vertex that do not contain the
- * seed. The windows pass the vertex on both sides and are bounded by rays of the vertex (doc
+ * seed. The windows pass the vertex on both sides, and rays from the vertex limit them (doc
  * 002). */
 void gd__emit_beside(struct gd__wavefront *front, uint32_t seed, const struct gd__polar *polar);
 
@@ -294,17 +297,17 @@ void gd__propagate_side(struct gd__wavefront *front, uint32_t side);
 void gd__cast(struct gd__wavefront *front, const struct gd__receiver *at,
               const struct gd__windows *windows, uint32_t count);
 
-/* resume.c: copies the state and queues everything that a farther bound needs. The wavefront must
- * be open and fresh. */
+/* resume.c: copies the state and queues all windows and vertices that are needed for the larger
+ * bound. The wavefront must be open, and must not have run yet. */
 void gd__resume(struct gd__wavefront *front, const struct gd__partial_state *partial);
 
-/* resume.c: drops the offered windows that are surely within the inner bound. */
+/* resume.c: drops the offered windows whose distances are certainly within `front->inner`. */
 void gd__keep_beyond(const struct gd__wavefront *front, uint32_t side,
                      struct gd__children *windows);
 
 /* prune.c: appends the wedges of a chunk to `out`, which must have room, as sorted windows in the
  * frame of `side`. Selects the wedges that came from windows of `side` (`own`) or of the other
- * side. Skips wedges whose source's distance decreased later. */
+ * side. Skips a wedge if the distance of its source has decreased since the wedge was stored. */
 void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chunk *chunk,
                         uint32_t side, bool own, struct gd__stack *out);
 
@@ -312,8 +315,9 @@ void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chun
  * ties. OTHER: those of the edge's other side, which lose ties. */
 enum gd__prune_by { GD__PRUNE_BY_OWN = 1, GD__PRUNE_BY_OTHER = 2 };
 
-/* prune.c: removes the parts of windows where a stored wedge is better. *count is the number of
- * windows before and after. Afterwards *windows may point into scratch. Errors: GD_NO_MEMORY. */
+/* prune.c: removes the parts of windows where a stored wedge is better. On entry and on return,
+ * *count is the number of windows. On return, *windows may point into scratch memory. Errors:
+ * GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__prune_by_stored(struct gd__wavefront *front, uint32_t side,
                                                enum gd__prune_by by, struct gd__windows *windows,
                                                uint32_t *count);

@@ -5,8 +5,8 @@
 
 #include "base/large.h"
 
-/* Address space for wedges, in bytes per edge. It is more than most fields need; unused address
- * space takes no memory (gd__region_open). */
+/* Address space for wedges, in bytes per edge. Most fields need less. Unused address space takes no
+ * memory (gd__region_open). */
 #define WEDGES_AN_EDGE ((size_t)2 << 10)
 /* If more than 1 / TOUCHED_PART of all nodes are touched, cleaning all nodes in order is faster
  * than cleaning the listed ones. */
@@ -114,7 +114,8 @@ static bool take_arrays(struct gd_workspace *w, uint32_t edges, uint32_t vertice
     return true;
 }
 
-/* Makes the result arrays fit the mesh. A propagation may have taken them. */
+/* Allocates the result arrays for the mesh if a propagation has taken them or if their sizes do not
+ * fit. */
 static bool take_results(struct gd_workspace *w, uint32_t edges, uint32_t vertices)
 {
     if (w->newest && w->result_edges == edges && w->result_vertices == vertices) return true;

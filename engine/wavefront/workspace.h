@@ -1,5 +1,6 @@
-/* Workspace: arrays that are clean between propagations. So the cost of preparing a propagation
- * depends on the records that the last propagation touched, not on the size of the mesh. */
+/* Workspace: arrays that are clean (have their initial values) between propagations. After a
+ * propagation, only the records that it touched are cleaned. So this cost does not depend on the
+ * size of the mesh. */
 #ifndef GD_WAVEFRONT_WORKSPACE_H
 #define GD_WAVEFRONT_WORKSPACE_H
 
@@ -19,10 +20,10 @@ struct gd_workspace {
      * distance, predecessor and newest, all three together. They are NULL then. */
     struct gd__list *lists; /* per side */
     double *emitted;        /* for each vertex, the distance with which it last emitted */
-    /* for each vertex, where the chunks of its present distance begin in `wedges`, in
-       GD__CHUNK_UNITs */
+    /* for each vertex, the offset in `wedges` at which the chunks with its present distance begin,
+       in GD__CHUNK_UNITs */
     uint32_t *valid_from;
-    /* for each vertex, bucket of the queue in which it waits, or GD_NONE if there is none */
+    /* for each vertex, bucket of the queue in which it waits, or GD_NONE if it does not wait */
     uint32_t *waiting;
     double *distance;                    /* per vertex */
     struct gd__predecessor *predecessor; /* per vertex */
@@ -32,18 +33,18 @@ struct gd_workspace {
        there is none */
     uint32_t *newest;
 
-    /* Numbers of nodes that are not clean. A node is a side or a vertex; vertices are numbered
-     * after all sides. The list is complete unless touched_count > touched_capacity. */
+    /* Numbers of the nodes that are not clean. A node is a side or a vertex; vertices are numbered
+     * after all sides. */
     uint32_t *touched;
-    /* touched_count > touched_capacity: the list is incomplete, and any node may be dirty (not
+    /* if touched_count > touched_capacity, the list is incomplete, and any node may be dirty (not
      * clean) */
     uint32_t touched_capacity, touched_count;
 
-    /* Replaces the arrays in a propagation that computes distances only. Closed between
+    /* Used instead of the arrays in a propagation that computes distances only. Closed between
      * propagations. */
     struct gd__paged paged;
 
-    struct gd__guide guide; /* guide of searches for one target */
+    struct gd__guide guide; /* the guide of a search for one target */
 
     /* The budget of the current propagation. Arrays, windows and wedges are charged to it. */
     struct gd__budget budget;
@@ -63,8 +64,8 @@ struct gd_workspace *gd__workspace_partner(struct gd_workspace *workspace);
 /* Returns the bytes that a propagation over the mesh needs before it begins. */
 size_t gd__workspace_need(const struct gd_mesh *mesh);
 
-/* Makes room for the mesh. Afterwards all arrays exist and are clean, and the queue is empty with
- * buckets of that width. Errors: GD_NO_MEMORY, GD_BUDGET. */
+/* Makes room for the mesh. Afterwards all arrays exist and are clean, and the queue is empty and
+ * has buckets of that width. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__workspace_open(struct gd_workspace *workspace,
                                               const struct gd_mesh *mesh, double bucket_width,
                                               const struct gd_control *control);
@@ -78,8 +79,8 @@ GD_MUST_USE enum gd_status gd__workspace_open_paged(struct gd_workspace *workspa
 /* Cleans everything that the propagation touched. */
 void gd__workspace_clean(struct gd_workspace *workspace);
 
-/* Adds a node to the list of dirty nodes if `first_time`. Branchless, because a branch would be
- * mispredicted half of the time. */
+/* Adds a node to the list of dirty nodes if `first_time` is true. Branchless, because a branch
+ * would be mispredicted half of the time. */
 static inline void gd__workspace_touch(struct gd_workspace *workspace, uint32_t node,
                                        bool first_time)
 {
