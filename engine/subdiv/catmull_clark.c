@@ -74,10 +74,10 @@ static struct gd_vec3 catmull_clark_tangent(const struct gd__net *net, const str
     return sum;
 }
 
-/* Eigenanalysis around a fixed vertex V with neighbours E and opposite corners F: a subdivision
- * step maps the sums of E - V and of F - V to (sum E + sum F / 4) / 2 and (2 sum E + sum F) / 4.
- * The larger eigenvalue of this map is (3 + sqrt 5) / 8, which exceeds the eigenvalue of every
- * rotating component. The left eigenvector is (1, (sqrt 5 - 1) / 4). */
+/* Eigenanalysis around a fixed vertex V with neighbours E and opposite corners F. Let e and f be
+ * the sums of E - V and of F - V. A subdivision step maps them to (e + f / 4) / 2 and (2 e + f) /
+ * 4. The larger eigenvalue of this map is (3 + sqrt 5) / 8. It exceeds the eigenvalue of every
+ * component that is not symmetric under rotation. The left eigenvector is (1, (sqrt 5 - 1) / 4). */
 static struct gd_vec3 catmull_clark_axis(const struct gd__net *net, const struct gd__fan *fan)
 {
     const double weight = (sqrt(5) - 1) / 4;
@@ -90,15 +90,16 @@ static struct gd_vec3 catmull_clark_axis(const struct gd__net *net, const struct
     return sum;
 }
 
-/* Returns the product of the points with the left eigenvector for mu = (5 + cos theta + sqrt((1 +
- * cos theta)(9 + cos theta))) / 16, theta = pi / k, of a crease with k faces. Let A = sum sin(i
- * theta) E_i, B = sum (sin(i theta) + sin((i+1) theta)) F_i and a = 16 mu - 4. One step maps a A +
- * B to mu (a A + B) plus multiples of V and of the crease's neighbours Ea, Eb. These multiples are
- * compensated by adding b (Ea + Eb) - ((a + 2) sigma + 2 b) V, where b = (mu sin theta - (2 mu -
- * 1/4) sigma) / (mu - 1/4) and sigma = cot(theta / 2). (Biermann, Levin, Zorin 2000 derive it for
- * modified rules with mu = 1/2, which equal the rules here only for k = 2.) With one face, the
- * tangent across is the crease's curvature vector or, if the crease is straight, the direction to
- * the face's far corner. */
+/* Returns the tangent across a crease with k faces: the product of the points with the left
+ * eigenvector for mu = (5 + cos theta + sqrt((1 + cos theta)(9 + cos theta))) / 16, theta = pi / k.
+ * Let A = sum sin(i theta) E_i, B = sum (sin(i theta) + sin((i+1) theta)) F_i and a = 16 mu - 4.
+ * One step maps a A + B to mu (a A + B) plus multiples of V and of the crease's neighbours Ea, Eb.
+ * To compensate for these multiples, the eigenvector also contains b (Ea + Eb) - ((a + 2) sigma + 2
+ * b) V, where b = (mu sin theta - (2 mu - 1/4) sigma) / (mu - 1/4) and sigma = cot(theta / 2).
+ * (Biermann, Levin and Zorin 2000 derive the eigenvector for modified rules with mu = 1/2. They
+ * agree with the rules here only for k = 2.) If k = 1, the tangent across is the crease's curvature
+ * vector. If the crease is also straight, it is the direction to the opposite corner of the
+ * face. */
 static struct gd_vec3 catmull_clark_cross(const struct gd__net *net, const struct gd__fan *fan,
                                           uint32_t begin, uint32_t faces)
 {
@@ -125,8 +126,8 @@ static struct gd_vec3 catmull_clark_cross(const struct gd__net *net, const struc
     return sum;
 }
 
-/* For each corner of the face, its place in the 4 x 4 grid, and the step outwards across the side
- * that begins at the corner. */
+/* For each corner of the face, its position in the 4 x 4 grid of control points, and the step in
+ * this grid across the side that begins at the corner, out of the face. */
 static const int corner_place[4][2] = {{1, 1}, {2, 1}, {2, 2}, {1, 2}},
                  outwards[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
 
@@ -135,8 +136,8 @@ static struct gd_vec3 *cell(struct gd__patch *patch, int i, int j)
     return &patch->c[4 * i + j];
 }
 
-/* Returns a + (a - b). With this control point beyond a sharp edge, the spline's border is the
- * edge's own curve. */
+/* Returns a + (a - b). If this is the control point beyond a sharp edge, the border of the spline
+ * is the B-spline curve of the edge. */
 static struct gd_vec3 mirrored(struct gd_vec3 a, struct gd_vec3 b)
 {
     return gd_vec3_sub(gd_vec3_scale(a, 2), b);

@@ -46,8 +46,9 @@ static struct gd_vec3 on_triangle(struct gd_vec3 a, struct gd_vec3 b, struct gd_
     return gd_vec3_along(gd_vec3_along(a, x, gd_vec3_sub(b, a)), y, gd_vec3_sub(c, a));
 }
 
-/* Returns the distance of fine vertex (i,j), along its normal, from the triangles of its coarse
- * cell. Of the distances for the two possible diagonals, returns the greater one. */
+/* Returns the distance of the fine vertex (i,j), along its normal, from the triangles of its coarse
+ * cell. A quad cell can be divided along either diagonal; returns the greater of the two
+ * distances. */
 static double off_triangles(const struct fine *fine, uint32_t i, uint32_t j)
 {
     uint32_t i0 = i / STEP * STEP, j0 = j / STEP * STEP;
@@ -145,7 +146,7 @@ static enum gd_status find_level(struct search *search, uint32_t face, uint32_t 
 enum gd_status gd__chordal_levels(const struct gd_subdivision *surface, double tolerance,
                                   const struct gd_control *control, struct gd__tiling *tiling)
 {
-    /* a face with finer edges needs an inner vertex */
+    /* a face with finer edges must have an inner vertex */
     uint32_t least = surface->rules->arity == 4 ? 1 : 2, faces = surface->base.face_count;
     struct gd__walker walker = {0};
     struct gd__pace pace = {.control = control};

@@ -182,8 +182,8 @@ static enum gd_status join_all(struct gd__net *net, const struct gd__edge_key *e
     return status;
 }
 
-/* Checks that each vertex has one fan: a walk from its first outgoing side must meet all its
- * outgoing sides. */
+/* Checks that each vertex has only one fan: a walk around the vertex from its first outgoing side
+ * must reach all its outgoing sides. */
 static enum gd_status check_fans(const struct gd__net *net, struct gd_detail *detail)
 {
     uint32_t *met = calloc(net->point_count + (size_t)1, sizeof *met);
@@ -193,7 +193,8 @@ static enum gd_status check_fans(const struct gd__net *net, struct gd_detail *de
         uint32_t point = net->origin[side];
         if (met[point] == 0) {
             gd__fan_around(net, side, &fan);
-            met[point] = fan.count + 1; /* the fan's sides decrement it to 1 */
+            /* each side of the fan decrements this number, so that 1 is left */
+            met[point] = fan.count + 1;
         }
         if (met[point]-- == 1)
             status = fail_at(detail, GD_ELEMENT_VERTEX, point, 0,

@@ -11,15 +11,15 @@ struct gd__edge_key {
 };
 
 /* Creates the net without tags: points, faces, twins, and an infinitely sharp boundary. Sets *edges
- * to all sides sorted by edge. The caller frees *edges and *net. If all faces have `arity` (4 or 3)
- * corners, the net has no `first`. Errors: those of gd_subdivision_create about points and
- * faces. */
+ * to an array of all sides, sorted by edge. The caller frees *edges and *net. If all faces have
+ * `arity` (4 or 3) corners, the net has no `first`. Errors: those of gd_subdivision_create that
+ * concern points and faces. */
 GD_MUST_USE enum gd_status gd__net_connect(const struct gd_polygons *polygons, uint32_t arity,
                                            struct gd__net *net, struct gd__edge_key **edges,
                                            struct gd_detail *detail);
 
 /* Applies the tags and the boundary rule to a net of gd__net_connect. Errors: those of
- * gd_subdivision_create about tags. */
+ * gd_subdivision_create that concern tags. */
 GD_MUST_USE enum gd_status gd__apply_tags(const struct gd_control_mesh *mesh,
                                           const struct gd__edge_key *edges, struct gd__net *net,
                                           struct gd_detail *detail);

@@ -9,8 +9,8 @@ enum gd_status gd_limit_place_check(const struct gd_subdivision *surface,
     return gd__place_check(surface, place, detail);
 }
 
-/* Returns the axis of angle 0. The axis of a quarter turn is the cross product of the normal with
- * this axis. */
+/* Returns the axis of angle 0. The axis of angle pi / 2 is the cross product of the normal and this
+ * axis. */
 static struct gd_vec3 first_axis(const struct gd_limit_jet *jet)
 {
     return gd_vec3_scale(jet->du, 1 / gd_vec3_length(jet->du));

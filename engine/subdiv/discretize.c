@@ -85,7 +85,8 @@ static enum gd_status discretize_create(const struct gd__tiling *tiling,
     return GD_OK;
 }
 
-/* A grid of `cells` over a base face, from which the face's vertices are written. */
+/* A grid over a base face with `cells` cells along a side. The vertices of the face are copied from
+ * this grid. */
 struct source {
     const struct gd__tiling *tiling;
     const struct gd__grid_room *room;

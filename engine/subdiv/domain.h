@@ -1,5 +1,5 @@
-/* Domain: the square or triangle of a face's own coordinates. Side k runs from corner k to the next
- * corner. */
+/* Domain: the square or triangle in which a face's own coordinates (s,t) lie. Side k runs from
+ * corner k to the next corner. */
 #ifndef GD_SUBDIV_DOMAIN_H
 #define GD_SUBDIV_DOMAIN_H
 
@@ -29,7 +29,7 @@ static inline void gd__place_on_side(uint32_t arity, uint32_t k, double m, doubl
     out[1] = arity == 4 ? quad[k][1] : triangle[k][1];
 }
 
-/* Returns the parameter, along side k, of a place on the side. */
+/* (s,t) lies on side k. Returns its parameter along the side. */
 static inline double gd__along_side(uint32_t arity, uint32_t k, double s, double t)
 {
     if (arity == 3) return k == 0 ? s : k == 1 ? t : 1 - t;

@@ -25,14 +25,15 @@ static struct gd_limit_jet jet_of_vertex(const struct gd__vertex *vertex,
                                          const struct gd__chart *frame)
 {
     struct gd__jet jet = {.s = vertex->s, .t = vertex->t};
-    /* the chart's axes are scaled to unit length, so that the tangents keep their lengths */
+    /* the axes of the chart are replaced by axes of length 1, so that the tangents keep their
+       lengths */
     struct gd__chart turn = *frame;
     for (int i = 0; i < 2; i++) {
         turn.s[i] = (turn.s[i] > 0) - (turn.s[i] < 0);
         turn.t[i] = (turn.t[i] > 0) - (turn.t[i] < 0);
     }
     jet = gd__chart_jet(&turn, &jet);
-    /* at a spike, the derivative along a side opposite to the axis vanishes */
+    /* at a spike, a derivative can be zero: then the direction does not exist */
     if (!(gd_vec3_length(jet.s) > 0)) jet.s = nowhere;
     if (!(gd_vec3_length(jet.t) > 0)) jet.t = nowhere;
     return (struct gd_limit_jet){.position = vertex->position,
@@ -43,8 +44,8 @@ static struct gd_limit_jet jet_of_vertex(const struct gd__vertex *vertex,
                                  .singular = true};
 }
 
-/* Returns the chart whose axes run along the two edges at corner `corner`, as the vertex' tangents
- * do: the face's own axes, rotated by that many corners. */
+/* Returns the chart whose axes run along the two edges at a corner, as the vertex' tangents do.
+ * These are the face's own axes, rotated from corner 0 to corner `corner`. */
 static struct gd__chart corner_frame(const struct gd_subdivision *surface,
                                      const struct gd__chart *base, uint32_t corner)
 {

@@ -4,18 +4,20 @@
 
 #include "subdiv/scheme.h"
 
-/* A place in the patch's coordinates, and the velocity per arc length of the path. */
+/* A place in the patch's coordinates, and its derivative by the path's arc length (the
+ * velocity). */
 struct gd__flow {
     double s, t, ds, dt;
 };
 
 /* Moves along the geodesic by the arc length `step`. Returns false if the error exceeds
- * GD_TOL_GEODESIC divided by the sine of the angle between the derivatives; the step must then be
- * shorter. */
+ * GD_TOL_GEODESIC divided by the sine of the angle between the derivatives. The caller must then
+ * try a shorter step. */
 bool gd__flow_advance(const struct gd__scheme *rules, const struct gd__patch *patch,
                       const struct gd__flow *from, double step, struct gd__flow *out);
 
-/* Returns the sine of the angle between the derivatives. Rounding is amplified by its inverse. */
+/* Returns the sine of the angle between the derivatives. Rounding errors are multiplied by its
+ * inverse. */
 double gd__sine(const struct gd__jet *jet);
 
 /* Computes the components of a vector's tangential part along the two derivatives of a jet. Returns

@@ -25,7 +25,7 @@ static struct part part_of_child(const struct part *part, const struct gd__child
                          child->s[0] * s + child->s[1] * t, child->t[0] * s + child->t[1] * t};
 }
 
-/* Completes a row: moves positions to the coordinates' origin, and scales normals to unit
+/* Completes a row: adds the origin of the coordinates to the positions, and scales normals to unit
  * length. */
 static void settle_row(const struct gd__grid_rows *rows, uint32_t i, uint32_t last,
                        struct gd_vec3 origin)

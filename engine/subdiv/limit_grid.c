@@ -75,9 +75,10 @@ static struct gd_vec3 *side_position(const struct gd_limit_grid *grid, uint32_t 
                             at[0] * (grid->cells + (size_t)1) + at[1]];
 }
 
-/* Sets each vertex on a border of faces to the same position in all its faces. A vertex inside an
- * edge gets the position computed on the edge's lower-numbered side. A corner gets the position
- * computed on the last side that begins there. A discretization uses the same positions. */
+/* A vertex on the border of faces is computed in each of these faces, with rounding errors.
+ * Replaces these positions by one of them. A vertex inside an edge gets the position from the side
+ * with the lower number. A corner gets the position from the last side that begins there. A
+ * discretization uses the same positions. */
 static enum gd_status unify_borders(const struct gd_limit_grid *grid)
 {
     const struct gd__net *base = &grid->surface->base;
@@ -88,7 +89,8 @@ static enum gd_status unify_borders(const struct gd_limit_grid *grid)
         corner[base->origin[side]] = *side_position(grid, side, 0);
     for (uint32_t side = 0; side < sides; side++) {
         *side_position(grid, side, 0) = corner[base->origin[side]];
-        if (base->twin[side] > side) continue; /* GD_NONE is greater than any side */
+        /* also true at the boundary, where the twin is GD_NONE */
+        if (base->twin[side] > side) continue;
         for (uint32_t m = 1; m < grid->cells; m++)
             *side_position(grid, side, m) = *side_position(grid, base->twin[side], grid->cells - m);
     }
@@ -150,7 +152,8 @@ uint32_t gd_limit_grid_level(const struct gd_limit_grid *grid)
 
 /* --- edges ------------------------------------------------------------------------------------ */
 
-/* Finds the position of a vertex along side k of a face; -1 means that it is not on that side. */
+/* Returns the position of a vertex along side k of a face, as a number of cells, or -1 if the
+ * vertex is not on that side. */
 static int32_t along_side(const struct gd_limit_grid *grid, uint32_t k, const int32_t at[2])
 {
     int32_t cells = (int32_t)grid->cells, i = at[0], j = at[1];
@@ -194,17 +197,17 @@ static double square_between(const struct gd_limit_grid *grid, uint32_t face, co
     return d.x * d.x + d.y * d.y + d.z * d.z;
 }
 
-/* Returns true if the quad cell (i, j) is divided from (i, j) to (i + 1, j + 1). As in gd__tile, a
- * cell is divided along its shorter diagonal. */
+/* Returns true if the quad cell (i, j) is divided along the diagonal from (i, j) to (i + 1, j + 1).
+ * As in gd__tile, a cell is divided along its shorter diagonal. */
 static bool is_cut_from_a(const struct gd_limit_grid *grid, uint32_t face, int32_t i, int32_t j)
 {
     const int32_t a[2] = {i, j}, b[2] = {i + 1, j}, c[2] = {i + 1, j + 1}, d[2] = {i, j + 1};
     return square_between(grid, face, a, c) <= square_between(grid, face, b, d);
 }
 
-/* Computes the apex over a side of a quad cell, whose corners a, b, c, d have the numbers 0 to 3.
- * The side begins at corner `from`. The diagonal is a-c or b-d, and ends at `from` or at the next
- * corner; the apex is its other end. */
+/* Computes the apex of the triangle at a side of a quad cell. The cell's corners a, b, c, d have
+ * the numbers 0 to 3, and the side begins at corner `from`. The cell's diagonal, a-c or b-d, begins
+ * at one end of the side. Its other end is the apex. */
 static void apex_over_side(const struct gd_limit_grid *grid, uint32_t face, const int32_t cell[2],
                            int from, int32_t apex[2])
 {

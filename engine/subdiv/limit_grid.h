@@ -1,4 +1,5 @@
-/* Limit grid: positions per base face, and the triangles between them.
+/* Limit grid: the positions of a grid over each base face, and the triangles between these
+ * positions.
  *
  * A vertex is a place (i, j) of a base face, 0 <= i, j <= cells (Loop: i + j <= cells). A vertex on
  * the border of a face is also a place of the neighbours, with the same position. An edge is
@@ -12,8 +13,9 @@
 struct gd_limit_grid {
     struct gd_subdivision *surface; /* a reference */
     uint32_t level, cells;
-    uint32_t stride;           /* positions of a face: (cells + 1)^2 */
-    struct gd_vec3 *positions; /* place (i, j) of a face at face * stride + i (cells + 1) + j */
+    uint32_t stride; /* number of positions of a face: (cells + 1)^2 */
+    /* place (i, j) of a face is at index face * stride + i (cells + 1) + j */
+    struct gd_vec3 *positions;
 };
 
 struct gd__grid_edge {
@@ -28,16 +30,16 @@ static inline struct gd_vec3 gd__grid_position(const struct gd_limit_grid *grid,
                            (uint32_t)at[0] * (grid->cells + (size_t)1) + (uint32_t)at[1]];
 }
 
-/* Moves an edge whose left side is outside its face into the neighbour. Returns false at the
- * boundary of the surface. */
+/* If the left side of an edge is outside its face, converts the edge to the neighbouring face.
+ * Returns false at the boundary of the surface. */
 bool gd__grid_settle(const struct gd_limit_grid *grid, struct gd__grid_edge *edge);
 
 /* Computes the third corner of the triangle to the left of an edge that lies inside the face. */
 void gd__grid_apex(const struct gd_limit_grid *grid, const struct gd__grid_edge *edge,
                    int32_t apex[2]);
 
-/* Computes the corners of the triangle that contains a place of a base face, counter-clockwise, and
- * the place's barycentric coordinates. */
+/* Finds the triangle that contains a place of a base face. Computes its corners, counter-clockwise,
+ * and the place's barycentric coordinates. */
 void gd__grid_triangle(const struct gd_limit_grid *grid, const struct gd__face_place *place,
                        int32_t corners[3][2], double weights[3]);
 

@@ -1,6 +1,6 @@
-/* Traces on a limit grid: crosses triangles as a surface ray does (transport/surface_ray.h), with
- * the record of each triangle computed from its corners. At a vertex, lists the triangles around
- * the vertex and continues the line by the rules of transport/straight.c. */
+/* Traces on a limit grid: crosses triangles as a surface ray does (transport/surface_ray.h).
+ * Computes the record (struct gd_side) of each triangle from its corners. At a vertex, lists the
+ * triangles around the vertex and continues the line by the rules of transport/straight.c. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,9 +24,10 @@ struct view {
     struct gd_vec3 along, across; /* axes of the edge's frame */
 };
 
-/* State of a trace after a step. ENDS: the requested length is reached. STOPS: the boundary is
- * reached. LIMIT: the limit on points is reached, or the call failed (`status`). NEEDS_MESH: this
- * file does not handle the case, so the caller must trace on the mesh. */
+/* State of a trace after a step. GOES_ON: the trace is not complete. ENDS: the requested length is
+ * reached. STOPS: the boundary is reached. LIMIT: the limit on points is reached, or the call
+ * failed (`status`). NEEDS_MESH: this file does not handle the case, so the caller must trace on
+ * the mesh. */
 enum halt { GOES_ON, ENDS, STOPS, LIMIT, NEEDS_MESH };
 
 struct tracing {
@@ -122,7 +123,7 @@ static enum halt append_on_edge(struct tracing *t, uint32_t face, const int32_t 
     return append(t, &place, gd_vec3_along(from, part, gd_vec3_sub(to, from)));
 }
 
-/* Ends the line in the view's triangle, at a place of the frame of its edge. */
+/* Ends the line in the view's triangle, at the place (x, y) in the frame of the triangle's edge. */
 static enum halt end_at(struct tracing *t, double x, double y)
 {
     const struct view *v = &t->view;
@@ -159,7 +160,8 @@ static struct gd__grid_edge edge_of(uint32_t face, const int32_t p[2], const int
     return (struct gd__grid_edge){face, {p[0], p[1]}, {q[0], q[1]}};
 }
 
-/* Lists the triangles around the beginning of an edge. A boundary vertex needs the mesh. */
+/* Lists the triangles around the vertex where an edge begins. Returns NEEDS_MESH for a boundary
+ * vertex. */
 static enum halt make_ring(const struct gd_limit_grid *grid, struct gd__grid_edge edge,
                            struct ring *ring)
 {
@@ -188,8 +190,8 @@ static void leave_ring(struct tracing *t, const struct ring *ring, double angle)
     t->ray = (struct gd__surface_ray){0, 0, cos(angle), fmax(sin(angle), 0)};
 }
 
-/* Computes the angle of the continuation in the plane of line and normal, as transport/straight.c
- * does. Returns false if there is none. */
+/* Computes the angle of the continuation that lies in the plane of the line and the normal, as
+ * transport/straight.c does. Returns false if there is no such continuation. */
 static bool leave_by_normal(const struct ring *ring, struct gd_vec3 back, struct gd_vec3 normal,
                             double *out)
 {
@@ -211,8 +213,8 @@ static bool leave_by_normal(const struct ring *ring, struct gd_vec3 back, struct
     return best > 0;
 }
 
-/* Continues the line through corner k of the view's triangle (p, q, apex), where it arrives in the
- * direction (dx, dy) of the view's frame. */
+/* Continues the line through corner k of the view's triangle (corner 0 is p, 1 is q, 2 is the
+ * apex). The line arrives there in the direction (dx, dy) of the view's frame. */
 static enum halt go_through(struct tracing *t, int k, double dx, double dy)
 {
     struct view *v = &t->view;
@@ -241,8 +243,8 @@ static enum halt go_through(struct tracing *t, int k, double dx, double dy)
 /* --- one triangle ----------------------------------------------------------------------------- */
 
 /* The passage of a line through the view's triangle. The line begins at (x, y) in the direction
- * (dx, dy) of the view's frame. After the length `run` it reaches the edge that the ray enters
- * next, whose length is `edge`. */
+ * (dx, dy) of the view's frame. After the length `run` it reaches the edge by which it leaves the
+ * triangle. `edge` is the length of this edge. */
 struct passage {
     double x, y, dx, dy, run, edge;
 };
@@ -297,8 +299,8 @@ static enum halt pass_vertex(struct tracing *t, const struct passage *way, doubl
     return halt ? halt : go_through(t, k, way->dx, way->dy);
 }
 
-/* Handles a ray that has reached the boundary: the path stops there, or needs the mesh if it may
- * follow the boundary. */
+/* Handles a ray that has reached the boundary. The path stops there. If it may have to follow the
+ * boundary, returns NEEDS_MESH. */
 static enum halt meet_boundary(struct tracing *t, const struct passage *way)
 {
     double ahead = t->ray.dx > 0 ? way->edge - t->ray.t : t->ray.t;
@@ -355,8 +357,8 @@ static void put_point(struct patch *patch, struct gd_vec3 p)
     out[0] = p.x, out[1] = p.y, out[2] = p.z;
 }
 
-/* Projects the direction of the request at a place of face 0 of the patch. out->face is the face
- * into which it leads. */
+/* Projects the direction of the request to the surface at a place of face 0 of the patch. out->face
+ * is the face into which the projected direction leads. */
 static enum halt project(struct tracing *t, struct patch *patch, const double weights[3],
                          struct gd_direction *out)
 {
@@ -426,8 +428,8 @@ static enum halt start_on_edge(struct tracing *t, const struct gd__grid_edge *ed
     return GOES_ON;
 }
 
-/* Crosses the triangle from a place inside: finds the edge by which the line leaves the triangle,
- * and uses the frame of the triangle's next edge. */
+/* Crosses the triangle from a place inside it. Finds the edge by which the line leaves the
+ * triangle, and uses the frame of the edge after it. */
 static enum halt start_inside(struct tracing *t, uint32_t face, int32_t corners[3][2],
                               const double weights[3])
 {

@@ -1,4 +1,4 @@
-/* See gd/limit_mesh.h. Triangles are numbered as by tile.c for faces that have the same level as
+/* See gd/limit_mesh.h. Triangles are numbered as in tile.c, for faces that have the same level as
  * their neighbours. */
 #include "gd/limit_mesh.h"
 
@@ -14,7 +14,7 @@ struct gd_limit_mesh {
     struct gd_subdivision *surface; /* a reference */
     struct gd_mesh *mesh;
     struct gd_vec3 *normals;
-    /* the level of the options; number of cells along a side of a base face */
+    /* level given by the options, and number of cells along a side of a base face */
     uint32_t level, cells;
 };
 
@@ -48,8 +48,8 @@ uint32_t gd_limit_mesh_usual_level(const struct gd_subdivision *surface)
     return level;
 }
 
-/* Returns an upper bound on vertices: a surface of T triangles has at most T / 2 inner vertices,
- * its boundary vertices, and two for each component. */
+/* Returns an upper bound on the number of vertices. A surface of T triangles has at most T / 2
+ * inner vertices, its boundary vertices, and two more for each component. */
 static uint64_t vertices_at(const struct gd_subdivision *surface, uint32_t level)
 {
     return triangles_at(surface, level) / 2 + surface->base.point_count +
@@ -155,15 +155,15 @@ enum half_cell { HALF_ABC, HALF_ACD, HALF_ABD, HALF_BCD };
 static const uint8_t corners_of[4][3] = {
     [HALF_ABC] = {0, 1, 2}, [HALF_ACD] = {0, 2, 3}, [HALF_ABD] = {0, 1, 3}, [HALF_BCD] = {1, 2, 3}};
 
-/* Returns the number of a cell's first triangle within its face. */
+/* Returns the number of a cell's first triangle, counted within its face. */
 static uint32_t first_of_cell(const struct gd_limit_mesh *fine, uint32_t i, uint32_t j)
 {
     return fine->surface->rules->arity == 4 ? 2 * (i * fine->cells + j)
                                             : 2 * (i * fine->cells + j) - i * i;
 }
 
-/* Returns true if a quad cell is divided from a to c, false if from b to d. With a to c the first
- * corners of both triangles are equal. */
+/* Returns true if a quad cell is divided from a to c, false if from b to d. If it is divided from a
+ * to c, both triangles have the same first corner. */
 static bool is_cut_from_a(const struct gd_limit_mesh *fine, uint32_t first)
 {
     struct gd_vertex one[3], other[3];
@@ -219,7 +219,7 @@ enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine,
     uint32_t i = limit_mesh_cell_of(x, fine->cells - 1),
              j = limit_mesh_cell_of(y, fine->cells - 1 - (triangles ? i : 0));
     uint32_t first = face_base(fine, local.face) + first_of_cell(fine, i, j);
-    /* a place can be beyond the diagonal only by rounding */
+    /* rounding can move a place beyond the diagonal */
     bool is_half = triangles && i + j + 1 == fine->cells;
     double right = fmin(x - i, 1), up = fmin(y - j, is_half ? 1 - right : 1);
     enum half_cell half = split_cell(is_cut_from_a(fine, first), right, up, weight);

@@ -16,7 +16,8 @@ static enum gd_status limit_trace_append(struct gd_limit_path *path,
                                          struct gd_vec3 position)
 {
     uint32_t count = path->step_count;
-    if ((count & (count - 1)) == 0) { /* full: the capacity is a power of two */
+    /* the array is full, because its capacity is the next power of two */
+    if ((count & (count - 1)) == 0) {
         struct gd_limit_step *steps =
             realloc(path->steps, (count ? 2 * (size_t)count : 1) * sizeof *steps);
         if (!steps) return GD_NO_MEMORY;

@@ -71,19 +71,19 @@ static struct gd_vec3 loop_tangent(const struct gd__net *net, const struct gd__f
     return sum;
 }
 
-/* Returns the sum of E - V. Around a fixed vertex a step multiplies this sum by 5/8; rotating
- * components shrink faster. */
+/* Returns the sum of E - V over the neighbours E of the vertex V. If V is fixed, a subdivision step
+ * multiplies this sum by 5/8. Components that are not symmetric under rotation shrink faster. */
 static struct gd_vec3 loop_axis(const struct gd__net *net, const struct gd__fan *fan)
 {
     struct gd_vec3 own = net->points[net->origin[fan->sides[0]]];
     return gd_vec3_along(sum_of_spokes(net, fan), -(double)fan->count, own);
 }
 
-/* Returns the product of the points with the left eigenvector for (3 + 2 cos theta) / 8, theta = pi
- * / k, of a crease with k faces. One step maps S = sum sin(i theta) E_i to a multiple of S plus
- * multiples of V and of the crease's neighbours Ea, Eb. These multiples are compensated by adding a
- * V + b (Ea + Eb), where sigma = cot(theta / 2), b = (sin theta - sigma) / (1 + 2 cos theta) and a
- * = -sigma - 2 b. */
+/* Returns the tangent across a crease with k faces: the product of the points with the left
+ * eigenvector for (3 + 2 cos theta) / 8, theta = pi / k. One step maps S = sum sin(i theta) E_i to
+ * a multiple of S plus multiples of V and of the crease's neighbours Ea, Eb. To compensate for
+ * these multiples, the eigenvector also contains a V + b (Ea + Eb), where sigma = cot(theta / 2), b
+ * = (sin theta - sigma) / (1 + 2 cos theta) and a = -sigma - 2 b. */
 static struct gd_vec3 loop_cross(const struct gd__net *net, const struct gd__fan *fan,
                                  uint32_t begin, uint32_t faces)
 {
@@ -109,8 +109,7 @@ static void neighbours(const struct gd__net *net, uint32_t k, struct gd__fan *fa
     gd__fan_around(net, k, fan);
     uint32_t spokes = gd__fan_spokes(fan), at = 0;
     while (fan->sides[at] != k) at++;
-    /* numbers of known neighbours, counted from the spoke of side k: counter-clockwise and
-     * clockwise */
+    /* numbers of known neighbours counter-clockwise and clockwise of the spoke of side k */
     uint32_t left = 0, right = 0;
     out[0] = loop_spoke(net, fan, at);
     while (left + 1 < 6 &&
@@ -125,7 +124,7 @@ static void neighbours(const struct gd__net *net, uint32_t k, struct gd__fan *fa
     }
     if (left + right == 5) return;
     struct gd_vec3 own = net->points[net->origin[k]];
-    /* the counter-clockwise end of the crease; its other end is three spokes further */
+    /* spoke of the counter-clockwise end of the crease; the other end is three spokes further */
     uint32_t c = left;
     out[(c + 1) % 6] = gd_vec3_sub(gd_vec3_add(own, out[c]), out[(c + 5) % 6]);
     out[(c + 2) % 6] = gd_vec3_sub(gd_vec3_add(own, out[(c + 3) % 6]), out[(c + 4) % 6]);
@@ -166,11 +165,11 @@ static const struct term at_corner[] = {
     {1, 2, 1, 36}, {1, 1, 2, 36}, {0, 3, 1, 6},  {0, 1, 3, 6},  {0, 2, 2, 12},
 };
 static const struct term across_edge[] = {
-    /* x and y are the edge's corners */
+    /* x and y are the corners of the edge */
     {4, 0, 0, 1}, {0, 4, 0, 1}, {3, 1, 0, 6}, {1, 3, 0, 6}, {2, 2, 0, 12},
     {3, 0, 1, 2}, {0, 3, 1, 2}, {2, 1, 1, 6}, {1, 2, 1, 6},
 };
-/* y: the corner at the other end of the edge that the control point continues */
+/* The control point lies on the continuation of an edge. y is the other end of this edge. */
 static const struct term beyond_corner[] = {{4, 0, 0, 1}, {3, 1, 0, 2}};
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof(array)[0]))
@@ -229,8 +228,8 @@ static struct horner loop_horner(const struct gd_vec3 *c, int degree, double x)
     return h;
 }
 
-/* The patch at a fixed s: coefficients of the polynomials in t of its values and of its derivatives
- * by s. */
+/* The patch at a fixed s. Its values and its derivatives by s are polynomials in t; these are their
+ * coefficients. */
 struct row {
     struct gd_vec3 p[5], s[5], ss[5];
 };

@@ -1,5 +1,6 @@
 /* Finds the closest point. In each face whose box is near enough, applies Newton's method from each
- * local minimum of a grid. A minimum on the border of two faces is found from one of the two. */
+ * local minimum of a grid. A minimum on the border of two faces is searched in only one of the two
+ * faces. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -20,7 +21,8 @@ struct search {
 /* Half of the squared distance as a function of (s, t): gradient and Hessian. */
 struct model {
     double g[2], ss, st, tt;
-    /* Gauss-Newton's Hessian, without the surface's second derivatives, and so never indefinite */
+    /* Hessian of the Gauss-Newton method: it ignores the surface's second derivatives, so it is
+       never indefinite */
     double gauss_ss, gauss_st, gauss_tt;
     struct gd_vec3 position;
 };
@@ -78,8 +80,8 @@ static void step_along_side(const struct model *m, uint32_t arity, uint32_t k, d
     out[1] = -slope / bend * y;
 }
 
-/* Returns the first side that contains the place and across which the step leads, or GD_NONE if
- * there is none. */
+/* Returns the first side that contains the place and that the step would cross, or GD_NONE if there
+ * is none. */
 static uint32_t blocked_by(uint32_t arity, const struct gd__face_place *local, const double step[2])
 {
     for (uint32_t k = 0; k < arity; k++) {
@@ -90,7 +92,7 @@ static uint32_t blocked_by(uint32_t arity, const struct gd__face_place *local, c
 }
 
 /* Computes a descent step whose direction does not lead out of the face. Returns false if there is
- * none. */
+ * no such step. */
 static bool feasible_step(const struct model *m, uint32_t arity, const struct gd__face_place *local,
                           double step[2])
 {
@@ -211,8 +213,8 @@ static double square_to_box(const struct gd__box *box, struct gd_vec3 p)
     return x * x + y * y + z * z;
 }
 
-/* Returns the face whose box has the nearest middle. The distance from this face is a good first
- * bound. */
+/* Returns the face whose box has the centre nearest to the point. The distance from this face is a
+ * good first bound. */
 static uint32_t first_face(const struct gd_subdivision *surface, struct gd_vec3 xyz)
 {
     uint32_t found = 0;

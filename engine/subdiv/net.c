@@ -51,7 +51,7 @@ void gd__net_free(struct gd__net *net)
     *net = (struct gd__net){0};
 }
 
-/* Returns the side at the clockwise end of the fan; `side` itself if the fan is closed. */
+/* Returns the side at the clockwise end of the fan, or `side` itself if the fan is closed. */
 static uint32_t fan_begin(const struct gd__net *net, uint32_t side, bool *closed)
 {
     uint32_t begin = side;

@@ -2,9 +2,9 @@
  * the whole mesh, or a neighbourhood that is subdivided locally.
  *
  * A side is a half-edge, from one corner of its face to the next, with the face on its left. The
- * sides of a face are consecutive. Faces have `arity` corners (Catmull-Clark 4, Loop 3), so that
- * side h belongs to face h / arity. Only the net of a control mesh with other polygons has
- * `first`. */
+ * sides of a face are consecutive. Usually all faces have `arity` corners (Catmull-Clark 4, Loop
+ * 3), and side h belongs to face h / arity. Only the net of a control mesh with other polygons has
+ * the array `first`. */
 #ifndef GD_SUBDIV_NET_H
 #define GD_SUBDIV_NET_H
 
@@ -17,19 +17,20 @@ struct gd__net {
     uint32_t arity;
     uint32_t point_count, face_count, side_count;
     struct gd_vec3 *points;
-    /* for each point, sharpness of its corner tag (gd/control_mesh.h); INFINITY if that is at least
-       GD_SHARPNESS_INFINITE */
+    /* for each point, sharpness of its corner tag (gd/control_mesh.h); INFINITY if the tag has at
+       least GD_SHARPNESS_INFINITE */
     float *corner;
-    /* face_count + 1 offsets of sides; NULL means that all faces have `arity` sides */
+    /* face_count + 1 entries: for each face, its first side; NULL if all faces have `arity`
+       sides */
     uint32_t *first;
     uint32_t *origin; /* for each side, the point where it begins */
-    /* for each side, the opposite half-edge; GD_NONE at the boundary and at the border of a
+    /* for each side, the opposite half-edge, or GD_NONE at the boundary and at the border of a
        neighbourhood */
     uint32_t *twin;
     uint32_t *edge; /* for each side, number of its edge; set and used by gd__net_refine */
     /* for each side, sharpness of its edge, equal on twins; INFINITY at the boundary of the mesh */
     float *sharpness;
-    uint32_t *face_of; /* for each side, its face; only with `first` */
+    uint32_t *face_of; /* for each side, its face; NULL if `first` is NULL */
 };
 
 /* Allocates a net with room for the given numbers of points, faces and sides, and sets its counts
@@ -69,10 +70,10 @@ static inline uint32_t gd__side_end(const struct gd__net *net, uint32_t side)
     return net->origin[gd__net_next(net, side)];
 }
 
-/* Fan: the faces and edges around a point, counter-clockwise. Spoke i is the edge of sides[i]; an
- * open fan has one more spoke, the edge of the last side's predecessor. */
+/* Fan: the faces and edges around a point, counter-clockwise. Spoke i is the edge of sides[i]. An
+ * open fan has one more spoke: the last edge of its last face. */
 struct gd__fan {
-    /* outgoing sides, one for each face; has room for the largest valence of the mesh */
+    /* outgoing sides, one for each face; the array has room for the largest valence of the mesh */
     uint32_t *sides;
     uint32_t count;
     bool closed;

@@ -1,5 +1,5 @@
-/* Places: converts between places in faces of the control mesh, which callers use, and places in
- * base faces. */
+/* Places: converts between places in faces of the control mesh (the form that callers use) and
+ * places in base faces. */
 #include "subdiv/surface.h"
 
 #include <math.h>

@@ -4,8 +4,8 @@
 
 /* DeRose, Kass, Truong: Subdivision surfaces in character animation (1998), section 3. If the rule
  * of a point changes from one level to the next, its position is interpolated between the results
- * of both rules. The weight of the sharper rule is the mean of the sharpnesses that become zero, as
- * in OpenSubdiv. */
+ * of both rules. As in OpenSubdiv, the weight of the sharper rule is the mean of the sharpnesses
+ * that become zero in this step. */
 enum rule { RULE_SMOOTH, RULE_CREASE, RULE_CORNER };
 
 #define NOT_PLACED (-1.0F) /* marks a point that is not placed yet */
@@ -57,7 +57,7 @@ static void count_transition(float sharpness, uint32_t *count, double *sum)
     *sum += sharpness;
 }
 
-/* Returns the weight of the sharper rule in a step in which sharpnesses become zero. */
+/* Returns the weight of the sharper rule, for a step in which sharpnesses become zero. */
 static double transition(const struct gd__net *net, const struct gd__fan *fan, float corner)
 {
     uint32_t count = 0;
@@ -125,8 +125,8 @@ static void place_points(const struct gd__net *net, uint32_t edges, uint32_t set
     for (uint32_t i = 0; i < out->point_count; i++)
         out->corner[i] = i < net->point_count ? decayed(net->corner[i], 1) : 0;
     for (uint32_t i = 0; i < net->point_count; i++) out->points[i] = net->points[i];
-    /* Moves each point once, at the side where its fan begins. Points without faces have no such
-       side. */
+    /* Places each point once, when the loop reaches the side where the point's fan begins. Points
+       without faces have no such side. */
     for (uint32_t i = 0; i < settled; i++) out->corner[i] = NOT_PLACED;
     for (uint32_t side = 0; side < net->side_count; side++) {
         uint32_t point = net->origin[side];
@@ -138,8 +138,8 @@ static void place_points(const struct gd__net *net, uint32_t edges, uint32_t set
     for (uint32_t i = 0; i < settled; i++) out->corner[i] = fmaxf(out->corner[i], 0);
 }
 
-/* Creates the child at the origin of `side`. Its corners are the origin, the edge point ahead, the
- * face point (not with Loop), and the edge point behind. */
+/* Creates the child face at the origin of `side`. Its corners are the origin, the edge point of
+ * `side`, the face point (only with Catmull-Clark), and the edge point of the previous side. */
 static void join_corner(const struct gd__net *net, uint32_t side, struct gd__net *out)
 {
     uint32_t arity = net->arity, first = arity * gd__child_at_corner(net, side),

@@ -7,8 +7,8 @@
 
 enum { SHOTS = 24 };
 
-/* The start, its tangent plane (a unit direction is cos(angle) x + sin(angle) y), and the
- * target. */
+/* The start, the axes x and y of its tangent plane, and the target. The direction with an angle is
+ * cos(angle) x + sin(angle) y. */
 struct aim {
     const struct gd_subdivision *surface;
     const struct gd_control *control;
@@ -21,7 +21,8 @@ struct aim {
 struct shot {
     double angle, length;
     struct gd_limit_path path;
-    /* end of the path, which is extended straight to `length` if it met the boundary */
+    /* end of the path; if the path met the boundary, it is extended straight to the length
+       `length` */
     struct gd_vec3 end;
     double miss;
 };
@@ -41,8 +42,8 @@ static enum gd_status shoot(const struct aim *aim, double angle, double length, 
     return GD_OK;
 }
 
-/* Computes the derivative of the end by the angle of the direction at the start, as a vector across
- * the path. */
+/* Computes the derivative of the path's end by the angle of the direction at the start. Returns
+ * only its component across the path. */
 static enum gd_status end_movement(const struct aim *aim, const struct shot *shot,
                                    struct gd_vec3 *out)
 {
@@ -55,8 +56,8 @@ static enum gd_status end_movement(const struct aim *aim, const struct shot *sho
     return GD_OK;
 }
 
-/* Makes a step of Newton's method, halved until the end comes nearer to the target, and replaces
- * *shot. Sets *better to false if no fraction of the step is better. */
+/* Makes a step of Newton's method, halves it until the end of the path is nearer to the target than
+ * before, and replaces *shot. Sets *better to false if no fraction of the step is better. */
 static enum gd_status relax_improve(const struct aim *aim, struct shot *shot, bool *better)
 {
     struct gd_vec3 sideways, miss = gd_vec3_sub(aim->target, shot->end);

@@ -1,9 +1,9 @@
-/* Scheme: the differences between Catmull-Clark and Loop subdivision. All other code (refinement,
- * neighbourhoods, descent, grids, tracing) is common to both.
+/* Scheme: the data and functions that differ between Catmull-Clark and Loop subdivision. All other
+ * code (refinement, neighbourhoods, descent, grids, tracing) is common to both.
  *
- * A face's own coordinates (s,t) run over its domain: the square [0,1]^2 or the triangle s, t >= 0,
- * s + t <= 1. `children` contains the placement of a face's children: (s,t) of a child is (origin +
- * s * axis_s + t * axis_t) / 2 in the parent's coordinates; the determinant of the axes is 1. */
+ * A face has its own coordinates (s,t). Their domain is the square [0,1]^2 or the triangle s, t >=
+ * 0, s + t <= 1. `children` describes where a face's children lie: (s,t) of a child is (origin + s
+ * * axis_s + t * axis_t) / 2 in the parent's coordinates. The determinant of the axes is 1. */
 #ifndef GD_SUBDIV_SCHEME_H
 #define GD_SUBDIV_SCHEME_H
 
@@ -26,7 +26,8 @@ struct gd__child {
 
 enum { GD__CHILDREN = 4 };
 
-/* The destination of a grid: (i,j) is stored at index origin + i step_s + j step_t. */
+/* The arrays to which a grid is written. The value at (i,j) is stored at index origin + i step_s +
+ * j step_t. */
 struct gd__grid_rows {
     uint32_t cells;
     ptrdiff_t origin, step_s, step_t;
@@ -38,11 +39,11 @@ struct gd__scheme {
     uint32_t valence; /* valence of regular vertices */
     bool face_points;
     struct gd__child children[GD__CHILDREN];
-    /* true if a sharp corner with only one face is part of a polynomial patch */
+    /* true if the surface near a sharp corner with only one face is a polynomial */
     bool corner_patches;
 
-    /* Returns the child whose domain contains (s,t). Within `slack` of the border between children,
-       the direction (ds,dt) decides, if it is not 0. */
+    /* Returns the child whose domain contains (s,t). If (s,t) is within `slack` of the border
+       between children and (ds,dt) is not 0, returns the child into which (ds,dt) points. */
     uint32_t (*child_at)(double s, double t, double ds, double dt, double slack);
 
     /* The subdivision rules for smooth interior points. `face_points` is NULL for Loop. */
@@ -51,19 +52,20 @@ struct gd__scheme {
     struct gd_vec3 (*vertex_point)(const struct gd__net *net, const struct gd__fan *fan,
                                    const struct gd_vec3 *face_points);
 
-    /* Limit masks of a closed fan without sharp edges: the position, and the tangent towards spoke
-       0 rotated by `angle` (2 pi / n leads to the next spoke). */
+    /* Limit masks of a closed fan without sharp edges. They give the position, and the tangent
+       towards spoke 0, rotated by `angle`. With the angle 2 pi / n it is the tangent towards the
+       next spoke. */
     struct gd_vec3 (*limit)(const struct gd__net *net, const struct gd__fan *fan);
     struct gd_vec3 (*tangent)(const struct gd__net *net, const struct gd__fan *fan, double angle);
-    /* Limit mask of a closed fan around a fixed vertex: the direction of the ring's slowest
-       shrinking component; 0 means none. */
+    /* Limit mask of a closed fan around a fixed vertex: the direction of the component of the ring
+       that shrinks most slowly, or 0 if there is none. */
     struct gd_vec3 (*axis)(const struct gd__net *net, const struct gd__fan *fan);
-    /* Limit mask at a crease with `faces` faces that begin at spoke `begin`: the tangent into the
-       surface, across the crease. */
+    /* Limit mask at a crease with `faces` faces that begin at spoke `begin`. It gives the tangent
+       across the crease, into the surface. */
     struct gd_vec3 (*cross)(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin,
                             uint32_t faces);
 
-    /* Computes the polynomial of face 0, all of whose corners must be regular
+    /* Computes the polynomial of face 0. All corners of this face must be regular
        (gd__ring_is_regular). */
     void (*patch)(const struct gd__net *net, struct gd__fan *fan, struct gd__patch *out);
     void (*evaluate)(const struct gd__patch *patch, double s, double t, struct gd__jet *out);
@@ -73,8 +75,8 @@ struct gd__scheme {
     void (*row)(const struct gd__patch *patch, uint32_t i, const struct gd__grid_rows *rows);
 };
 
-/* Returns true if a coordinate lies beyond the border between children at 1/2. Within `slack` of
- * the border, dx decides if it is not 0. */
+/* Returns true if the coordinate x lies beyond 1/2, the border between children. If x is within
+ * `slack` of the border and dx is not 0, returns the sign of dx instead: true if dx > 0. */
 static inline bool gd__is_beyond(double x, double dx, double slack)
 {
     bool on = x >= 0.5 - slack && x <= 0.5 + slack;

@@ -1,4 +1,4 @@
-/* Shortest paths: searches a path on the mesh, and relaxes it to a geodesic of the surface. */
+/* Shortest paths: searches a path on the mesh, and replaces it by a geodesic of the surface. */
 #include "gd/limit_shortest.h"
 
 #include <math.h>
@@ -53,7 +53,7 @@ static enum gd_status search_mesh(struct search *search)
 }
 
 /* Computes the place at the middle of a straight part of the path. If the mesh intersects itself,
- * the result may lie on another sheet, which gives an equally good length. */
+ * the result may lie on another part of the surface. The length is equally good then. */
 static enum gd_status place_between(const struct search *search, const struct gd_point *a,
                                     const struct gd_point *b, struct gd_limit_point *out)
 {
@@ -67,7 +67,7 @@ static enum gd_status place_between(const struct search *search, const struct gd
 }
 
 /* Computes the places of the path's points and of the middles of its parts. The first and the last
- * place are the caller's. */
+ * place are those of the request. */
 static enum gd_status place_path(struct search *search)
 {
     const struct gd_path *path = &search->pair.path;
@@ -103,22 +103,23 @@ static enum gd_status lift(struct search *search)
 
 /* --- on the surface --------------------------------------------------------------------------- */
 
-/* Returns the length of a cubic over a chord, with the slopes a and b at the chord's ends, up to
- * the fourth order. */
+/* Returns the length of a cubic curve over a chord, up to the fourth order. a and b are the curve's
+ * slopes against the chord at its ends. */
 static double arc(double chord, double a, double b)
 {
     return chord * (1 + (2 * a * a - a * b + 2 * b * b) / 30);
 }
 
-/* Returns the slope of the surface against a chord, from the normal; 0 without a normal. */
+/* Returns the slope of the surface against a chord, computed from the normal, or 0 if there is no
+ * normal. */
 static double subdiv_shortest_slope_at(const struct gd_limit_jet *jet, struct gd_vec3 way,
                                        double chord)
 {
     return isnan(jet->normal.x) ? 0 : -gd_vec3_dot(jet->normal, way) / chord;
 }
 
-/* Returns the length of the curve on the surface between two jets that is straight in the tangent
- * plane. */
+/* Returns the length of a curve on the surface between two jets. The curve is straight if it is
+ * seen along the normal. */
 static double arc_between(const struct gd_limit_jet *from, const struct gd_limit_jet *to)
 {
     struct gd_vec3 way = gd_vec3_sub(to->position, from->position);
@@ -128,9 +129,9 @@ static double arc_between(const struct gd_limit_jet *from, const struct gd_limit
                subdiv_shortest_slope_at(to, way, chord));
 }
 
-/* Returns the length of a curve through three points, by extrapolation: halving the chords leaves a
- * quarter of the error. This also covers bends within the surface, for instance at a boundary,
- * which normals do not show. */
+/* Returns the length of a curve through three points, by extrapolation: if chords are halved, the
+ * error decreases to a quarter. The extrapolation includes bends within the surface, for instance
+ * at a boundary, which normals do not show. */
 static double arc_by_way(const struct gd_limit_jet *jets)
 {
     double halves = arc_between(&jets[0], &jets[1]) + arc_between(&jets[1], &jets[2]);
@@ -153,7 +154,7 @@ static enum gd_status answer_lifted(const struct search *search, struct gd_limit
     return GD_OK;
 }
 
-/* Replaces the projected path by the geodesic if the geodesic is not longer, within the known
+/* Replaces the projected path by the geodesic, unless the geodesic is longer by more than the known
  * error. */
 static void prefer_geodesic(const struct search *search, struct gd_limit_geodesic *found,
                             struct gd_limit_shortest *out)

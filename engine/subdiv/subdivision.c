@@ -29,8 +29,8 @@ static enum gd_status subdivision_split(struct gd_subdivision *surface, struct g
     return status;
 }
 
-/* For each point, its number of edges (at a boundary one more than its faces), and whether it is on
- * the boundary. */
+/* For each point, the number of its edges, and whether it is on the boundary. A boundary point has
+ * one edge more than faces. */
 struct census {
     uint32_t *edges;
     bool *open;
@@ -132,8 +132,8 @@ static enum gd_status summarise(struct gd_subdivision *surface, struct gd__net *
     return status;
 }
 
-/* Updates the largest valence after a split: the middle of a polygon becomes a vertex whose valence
- * is the number of the polygon's corners. */
+/* Updates the largest valence after polygons were split. The middle of each polygon becomes a
+ * vertex with as many edges as the polygon has corners. */
 static void widen_valence(struct gd_subdivision *surface)
 {
     for (uint32_t face = 0; surface->split_first && face < surface->control_faces; face++) {

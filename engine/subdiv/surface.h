@@ -1,8 +1,8 @@
 /* Surface: the members of a subdivision surface, for the files of this folder.
  *
  * All base faces are quads (Loop: triangles). If all faces of the control mesh are quads, they are
- * the base faces. Otherwise the base faces are the children after one refinement: base face h is
- * the child at side h of the control mesh. */
+ * the base faces. Otherwise the control mesh is refined once, and the base faces are the children:
+ * base face h is the child at side h of the control mesh. */
 #ifndef GD_SUBDIV_SURFACE_H
 #define GD_SUBDIV_SURFACE_H
 
@@ -20,16 +20,18 @@ struct gd_subdivision {
     const struct gd__scheme *rules;
     struct gd__net base;
     struct gd__net control; /* the control mesh if the base faces are not its faces; else empty */
-    /* for each control face, its first base face, with one more entry at the end; NULL means that
-       base faces are control faces */
+    /* for each control face, its first base face, and one more entry at the end; NULL if the
+       control faces are the base faces */
     uint32_t *split_first;
     uint32_t control_faces;
     uint32_t largest_valence; /* largest valence of base vertices, at least the regular one */
-    /* number of edges, which base.edge numbers; the lower side of an edge owns it */
+    /* number of edges; base.edge has their numbers, and the side with the lower number owns an
+       edge */
     uint32_t base_edges;
     struct gd_subdivision_summary summary;
     struct gd_valence *valences;
-    /* for each base face, bounding box of its one-ring, which contains the surface over the face */
+    /* for each base face, the bounding box of its one-ring; it contains the surface over the
+       face */
     struct gd__box *boxes;
     double size; /* largest extent of the control points */
 };
@@ -42,14 +44,14 @@ struct gd__chart {
 
 #define GD__CHART_WHOLE ((struct gd__chart){{0, 0}, {1, 0}, {0, 1}})
 
-/* gd__chart_child returns the chart of a child, which maps to the same coordinates as `frame`.
- * gd__chart_out maps from a face's own coordinates to the outer ones; gd__chart_in is the
- * inverse. */
+/* gd__chart_child returns the chart of a child of a face whose chart is `frame`; it maps to the
+ * same coordinates. gd__chart_out maps from a face's own coordinates to the coordinates of the
+ * containing face. gd__chart_in is the inverse. */
 struct gd__chart gd__chart_child(const struct gd__chart *frame, const struct gd__child *child);
 void gd__chart_out(const struct gd__chart *frame, double s, double t, double out[2]);
 void gd__chart_in(const struct gd__chart *frame, double u, double v, double out[2]);
 
-/* Transforms a jet from a face's own coordinates to the outer ones. */
+/* Transforms a jet from a face's own coordinates to those of the containing face. */
 struct gd__jet gd__chart_jet(const struct gd__chart *frame, const struct gd__jet *jet);
 
 /* A place on a base face. */
@@ -59,7 +61,7 @@ struct gd__face_place {
 };
 
 /* Convert between valid places and places on base faces. gd__base_frame returns the chart of a base
- * face in its control face, and that face and corner. */
+ * face in its control face, and the number of this control face and of the corner. */
 struct gd__face_place gd__face_place_of(const struct gd_subdivision *surface,
                                         const struct gd_limit_point *place);
 struct gd__chart gd__base_frame(const struct gd_subdivision *surface, uint32_t base, uint32_t *face,

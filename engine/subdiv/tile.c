@@ -13,8 +13,8 @@ static double square_distance(const double *a, const double *b)
     return x * x + y * y + z * z;
 }
 
-/* Divides a quad with the counter-clockwise corners v along the shorter diagonal; in a tie from
- * v[0] to v[2]. */
+/* Divides a quad with the counter-clockwise corners v along its shorter diagonal. If both are
+ * equally long, divides it from v[0] to v[2]. */
 static uint32_t *quad(const double (*positions)[3], const uint32_t v[4], uint32_t *corners)
 {
     bool first = square_distance(positions[v[0]], positions[v[2]]) <=
@@ -84,8 +84,9 @@ static uint32_t inner_vertex(const struct gd__tiling *tiling, uint32_t face, uin
     return gd__tiling_inside(tiling, face, cells, at[k][0], at[k][1]);
 }
 
-/* Joins a side with the inner row beside it. Each triangle advances by one vertex on the side or on
- * the row: on the one whose next vertex comes first along the side. */
+/* Fills the strip between a side and the row of inner vertices next to it. Each triangle advances
+ * by one vertex, either on the side or on the row. The strip advances to whichever next vertex is
+ * reached first along the side. */
 static uint32_t *tile_strip(const struct gd__tiling *tiling, uint32_t face, uint32_t k,
                             uint32_t *corners)
 {

@@ -59,8 +59,8 @@ static uint64_t inside_count(uint32_t arity, uint64_t cells)
     return arity == 4 ? (cells - 1) * (cells - 1) : cells < 2 ? 0 : (cells - 1) * (cells - 2) / 2;
 }
 
-/* Returns the number of a face's triangles. It counts the triangles of the face's cells, and the
- * additional triangles at edges that are finer than the face. */
+/* Returns the number of a face's triangles: those of the face's cells, and the additional ones at
+ * edges that are finer than the face. */
 static uint64_t triangle_count(const struct gd__tiling *tiling, uint32_t face)
 {
     const struct gd__net *base = &tiling->surface->base;
@@ -78,7 +78,7 @@ enum gd_status gd__tiling_number(struct gd__tiling *tiling, uint64_t most)
     level_edges(tiling);
     for (uint32_t face = 0; face < base->face_count; face++)
         tiling->triangles += triangle_count(tiling, face);
-    /* with fewer than 2^30 triangles, vertex numbers fit 32 bits */
+    /* with fewer than 2^30 triangles, vertex numbers fit into 32 bits */
     if (tiling->triangles > most) return GD_TOO_LARGE;
     number_points(tiling);
     for (uint32_t edge = 0; edge < tiling->surface->base_edges; edge++) {

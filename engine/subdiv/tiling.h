@@ -1,7 +1,7 @@
 /* Tiling: the level of each base face and edge, and the numbering of all vertices.
  *
- * The order of vertices is: base points; inner points of edges, edge by edge in the direction of
- * the owning side; inner points of faces, row by row. */
+ * The order of vertices is: first the base points; then the inner points of each edge, in the
+ * direction of the side that owns it; then the inner points of each face, row by row. */
 #ifndef GD_SUBDIV_TILING_H
 #define GD_SUBDIV_TILING_H
 
@@ -11,7 +11,7 @@
 struct gd__tiling {
     const struct gd_subdivision *surface; /* borrowed */
     uint8_t *face_level, *edge_level;     /* an edge has the level of its finer face */
-    /* for each base point, its vertex; GD_NONE means that no face uses the point */
+    /* for each base point, its vertex, or GD_NONE if no face uses the point */
     uint32_t *point;
     uint32_t *edge_first, *face_first;
     /* numbers of vertices and of triangles; gd__tiling_number fails beyond 2^32 - 1 */
@@ -27,7 +27,7 @@ void gd__tiling_free(struct gd__tiling *tiling);
  * `most` triangles). */
 GD_MUST_USE enum gd_status gd__tiling_number(struct gd__tiling *tiling, uint64_t most);
 
-/* Returns the finest level of a face and its edges. */
+/* Returns the finest level among a face and its edges. */
 uint32_t gd__tiling_finest(const struct gd__tiling *tiling, uint32_t face);
 
 /* Returns vertex `m` of the 2^level + 1 vertices along a side. */
@@ -42,7 +42,7 @@ uint32_t gd__tiling_inside(const struct gd__tiling *tiling, uint32_t face, uint3
 void gd__side_place(uint32_t arity, uint32_t k, uint32_t cells, uint32_t m, uint32_t out[2]);
 
 /* Writes the triangles of a face to `corners`, and returns their end. `positions` contains the
- * positions of all vertices of the tiling. A step of the pace is a cell; if the pace stops, the
+ * positions of all vertices of the tiling. Each cell is a step of the pace. If the pace stops, the
  * function returns early. */
 uint32_t *gd__tile(const struct gd__tiling *tiling, uint32_t face, const double (*positions)[3],
                    uint32_t *corners, struct gd__pace *pace);

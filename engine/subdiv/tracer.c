@@ -18,10 +18,10 @@ static void tracer_settle(uint32_t arity, uint32_t k, struct gd__flow *flow)
     flow->s = at[0], flow->t = at[1];
 }
 
-/* Returns the tracer's state in the piece's coordinates; a place within the slack of the piece's
- * border is moved onto it. The velocity is computed from the direction in space at the moved place.
- * Near vertices this matters, because the base face's coordinates are imprecise there, and the axes
- * rotate within small pieces as much as in large ones. */
+/* Returns the tracer's state in the piece's coordinates. A place within the slack of the piece's
+ * border is moved onto the border. The velocity is computed from the direction in space at the
+ * moved place. This matters near vertices: the base face's coordinates are imprecise there, and the
+ * derivatives turn within a small piece as much as within a large one. */
 static struct gd__flow flow_in(const struct gd__tracer *tracer)
 {
     const struct gd__scheme *rules = rules_of(tracer);
@@ -76,7 +76,8 @@ static enum gd_status end_here(struct gd__tracer *tracer)
     return GD_OK;
 }
 
-/* Enters the piece at the current place, with the velocity of the unit vector `direction`. */
+/* Enters the piece at the current place, with the velocity in the direction of the unit vector
+ * `direction`. */
 static enum gd_status tracer_enter(struct gd__tracer *tracer, struct gd_vec3 direction)
 {
     uint32_t corner;
@@ -99,8 +100,8 @@ enum gd_status gd__tracer_start(struct gd__tracer *tracer, struct gd__walker *wa
 {
     *tracer = (struct gd__tracer){.walker = walker, .local = *local, .direction = direction};
     enum gd_status status = tracer_enter(tracer, direction);
-    /* enters again, because the velocity now determines which of the adjacent pieces the path
-       enters */
+    /* a second call, because only now the velocity is known, which determines the adjacent piece
+       that the path enters */
     if (!status && !tracer->ended && walker->piece.face != GD_NONE)
         status = tracer_enter(tracer, tracer->direction);
     tracer->under_way = true;
@@ -141,8 +142,8 @@ static bool side_axes(const struct gd__jet *jet, uint32_t arity, uint32_t k, str
     return true;
 }
 
-/* Crosses side k into the next face. The piece there is chosen by a velocity with the same
- * component along the side, and an inward component. */
+/* Crosses side k into the next face. To select the piece there, uses a velocity that has the same
+ * component along the side, and points inwards. */
 static enum gd_status cross_side(struct gd__tracer *tracer, uint32_t k)
 {
     const struct gd__net *base = &tracer->walker->surface->base;
@@ -165,7 +166,7 @@ static enum gd_status cross_side(struct gd__tracer *tracer, uint32_t k)
     gd__place_on_side(arity, other, 0, a);
     gd__place_on_side(arity, other, 1, b);
     tracer->local.s = in[0], tracer->local.t = in[1];
-    /* (s, t) points along the side; rotated to the left it points inwards */
+    /* (s, t) points along the side; rotated to the left, it points into the face */
     double s = b[0] - a[0], t = b[1] - a[1];
     if (!gd__cell_at(tracer->walker, &tracer->local, -x * s - y * t, -x * t + y * s, &corner))
         return gd__tracer_leave_vertex(tracer, tracer->local.face, corner, tracer->direction);
@@ -184,7 +185,8 @@ static enum gd_status hand_over(struct gd__tracer *tracer)
     return side == GD_NONE ? tracer_enter(tracer, tracer->direction) : cross_side(tracer, side);
 }
 
-/* Returns the line beyond which the state lies farthest; GD_NONE if it is inside the domain. */
+/* Returns the number of the side beyond whose line the state lies farthest, or GD_NONE if the state
+ * is inside the domain. */
 static uint32_t line_beyond(uint32_t arity, const struct gd__flow *flow)
 {
     uint32_t found = GD_NONE;
@@ -197,7 +199,7 @@ static uint32_t line_beyond(uint32_t arity, const struct gd__flow *flow)
 }
 
 /* Returns the step, in (0, step], at which the path crosses line k, by Newton's method within a
- * bracket. Sets *end to the state there. `from` must be on the inner side. */
+ * bracket. Sets *end to the state there. `from` must be on the inner side of the line. */
 static double step_to_line(struct gd__tracer *tracer, const struct gd__flow *from, double step,
                            uint32_t k, struct gd__flow *end)
 {
@@ -260,7 +262,7 @@ static enum gd_status meet_vertex(struct gd__tracer *tracer, double most, bool *
     gd__corner_limit(tracer->walker, face, corner, &vertex);
     struct gd_vec3 way = gd_vec3_sub(vertex.position, tracer->position);
     double length = gd_vec3_length(way), width = length;
-    /* near the tip of a spike the surface is thin, so the path is treated as running along the
+    /* the surface near the tip of a spike is thin, so a path there counts as a path along the
      * spike's axis, which meets the tip */
     if (isnan(vertex.normal.x)) {
         struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->local.s, tracer->local.t);

@@ -24,8 +24,8 @@ struct gd__tracer {
     enum gd_limit_end end;
 };
 
-/* Starts at a place in a direction, which is projected onto the tangent plane. Without a tangent
- * plane the path ends at once. Error: GD_INVALID_ARGUMENT (the direction has no tangential
+/* Starts at a place in a direction, which is projected onto the tangent plane. If there is no
+ * tangent plane, the path ends at once. Error: GD_INVALID_ARGUMENT (the direction has no tangential
  * component). */
 GD_MUST_USE enum gd_status gd__tracer_start(struct gd__tracer *tracer, struct gd__walker *walker,
                                             const struct gd__face_place *local,

@@ -12,7 +12,7 @@ enum kind {
     KIND_CREASE,
     KIND_CORNER,
     KIND_SPIKE,  /* a corner inside a smooth surface */
-    KIND_PASSING /* semi-sharp: the vertex has another kind after some steps */
+    KIND_PASSING /* a semi-sharp vertex: it has another kind after some steps of subdivision */
 };
 
 static enum kind vertex_kind_of(const struct gd__net *net, const struct gd__fan *fan)
@@ -31,11 +31,11 @@ static enum kind vertex_kind_of(const struct gd__net *net, const struct gd__fan 
     return sharp == 2 ? KIND_CREASE : sharp == 1 ? KIND_DART : KIND_SMOOTH;
 }
 
-/* A sector: the faces between two creases that contain the face of a side. It begins at spoke
- * `begin`. */
+/* A sector: the faces between two creases at a vertex, among them the face of a given side. It
+ * begins at spoke `begin`. */
 struct sector {
     uint32_t begin, faces;
-    uint32_t own; /* the spoke of that side, counted from `begin` */
+    uint32_t own; /* the spoke of the given side, counted from `begin` */
 };
 
 static struct sector sector_of(const struct gd__net *net, const struct gd__fan *fan, uint32_t side)
@@ -81,7 +81,7 @@ bool gd__ring_is_regular(const struct gd__net *ring, struct gd__fan *fan)
     return true;
 }
 
-/* Returns a unit vector; NAN for a vector without a direction. */
+/* Returns the unit vector in the direction of v, or NAN if v has no direction. */
 static struct gd_vec3 unit(struct gd_vec3 v)
 {
     double length = gd_vec3_length(v);
@@ -111,10 +111,11 @@ static void smooth_limit(const struct gd__net *net, const struct gd__fan *fan, u
     to_units(out);
 }
 
-/* Computes the limit of a spike. The ring shrinks more slowly along the spike's axis than across
- * it: all directions from the vertex converge to the axis, and no tangent plane exists. If the ring
- * has no component along an axis, as in a plane, the tangents are those of a smooth vertex, which
- * do not depend on the vertex' own position. */
+/* Computes the limit of a spike. During subdivision, the ring of neighbours shrinks more slowly
+ * along the spike's axis than across it. So all directions from the vertex converge to the axis,
+ * and no tangent plane exists. If the ring has no component along an axis (for example if it is
+ * planar), the tangents are those of a smooth vertex, which do not depend on the vertex' own
+ * position. */
 static void spike_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
                         struct gd__vertex *out)
 {
@@ -130,9 +131,10 @@ static void spike_limit(const struct gd__net *net, const struct gd__fan *fan, ui
     out->position = own;
 }
 
-/* Returns the limit direction of a spoke. It is along the crease for the two spokes of the crease.
- * With three or more faces, it is across the crease for the other spokes, because such a ring
- * shrinks less across the crease than along it. */
+/* Returns the limit direction of a spoke. For the two spokes of the crease, it is the direction
+ * along the crease. For the other spokes of a sector with three or more faces, it is the direction
+ * across the crease, because during subdivision such a ring shrinks less across the crease than
+ * along it. */
 static struct gd_vec3 crease_direction(struct sector sector, uint32_t spoke, struct gd_vec3 along,
                                        struct gd_vec3 cross)
 {
@@ -159,8 +161,8 @@ static void crease_limit(const struct gd__net *net, const struct gd__fan *fan, u
     to_units(out);
 }
 
-/* Computes the limit of darts and corners, which have no closed-form masks: subdivides their rings
- * until only the limiting shape is left. */
+/* Computes the limit of darts and corners, for which there are no closed-form masks. Subdivides
+ * their rings until the shape of the ring no longer changes. */
 static void shape_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
                         struct gd__vertex *out)
 {

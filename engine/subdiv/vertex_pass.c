@@ -6,8 +6,8 @@
 #include "base/tolerance.h"
 #include "subdiv/domain.h"
 
-/* Returns how far `direction` is inside the corner of a face: the sine of the angle to the nearer
- * edge; negative: outside. */
+/* Returns the sine of the angle between `direction` and the nearer edge at the corner of a face. It
+ * is positive if the direction leads into the face, and negative otherwise. */
 static double inside_by(const struct gd__vertex *vertex, struct gd_vec3 direction)
 {
     double left = gd_vec3_dot(gd_vec3_cross(vertex->s, direction), vertex->normal);
@@ -26,8 +26,8 @@ static bool is_smooth(const struct gd__net *base, const struct gd__fan *fan)
     return true;
 }
 
-/* Returns the side where the sector of `side` begins, at a crease clockwise of `side`; without
- * creases `side` itself. */
+/* Returns the side where the sector of `side` begins, at the next crease clockwise of `side`. If
+ * there are no creases, returns `side`. */
 static uint32_t sector_begin(const struct gd__net *base, uint32_t side)
 {
     uint32_t at = side;
@@ -38,8 +38,9 @@ static uint32_t sector_begin(const struct gd__net *base, uint32_t side)
     return at;
 }
 
-/* Returns the side at the vertex whose face, in the same sector, contains the direction best. Sets
- * *best to inside_by of that face. */
+/* Among the faces of the side's sector at the vertex, finds the face with the largest inside_by for
+ * the direction. Returns the side of this face that begins at the vertex, and sets *best to
+ * inside_by. */
 static uint32_t side_towards(struct gd__walker *walker, uint32_t side, struct gd_vec3 direction,
                              double *best)
 {
@@ -57,9 +58,9 @@ static uint32_t side_towards(struct gd__walker *walker, uint32_t side, struct gd
     return found;
 }
 
-/* Returns side_towards for a path that continues from the vertex; GD_NONE if "straight" is
- * undefined. Creases and corners have a tangent plane in each sector: a path may begin at them, but
- * no path passes through them. */
+/* Returns side_towards for a path that continues from the vertex, or GD_NONE if "straight" is
+ * undefined. Creases and corners have a tangent plane in each sector, so a path may begin there,
+ * but no path passes through them. */
 static uint32_t way_on(struct gd__tracer *tracer, uint32_t side, struct gd_vec3 direction)
 {
     struct gd__walker *walker = tracer->walker;
@@ -73,8 +74,8 @@ static uint32_t way_on(struct gd__tracer *tracer, uint32_t side, struct gd_vec3 
     return smooth || inside >= -GD_TOL_INPUT ? towards : GD_NONE;
 }
 
-/* Returns the place at the distance `reach` and the angle `angle` from a corner, in the corner's
- * own axes. */
+/* Returns the place at the distance `reach` from a corner, in the direction `angle` measured in the
+ * corner's own axes. */
 static struct gd__face_place spot_near(const struct gd__walker *walker, uint32_t side, double reach,
                                        double angle)
 {
@@ -110,8 +111,8 @@ static struct gd__face_place spot_towards(struct gd__walker *walker, uint32_t si
     return spot_near(walker, side, reach, (low + high) / 2);
 }
 
-/* Returns a distance from the vertex within which the surface is nearly flat, but not below the
- * resolution of coordinates. */
+/* Returns a distance from the vertex within which the surface is nearly flat, at least the
+ * resolution of the coordinates. */
 static double reach_from(struct gd__walker *walker, uint32_t side, const struct gd__vertex *vertex)
 {
     double reach = ldexp(1, -10), far = 0;

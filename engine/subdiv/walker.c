@@ -7,7 +7,7 @@
 #include "subdiv/domain.h"
 #include "subdiv/refine.h"
 
-/* Sizes of the nets of a stage, large enough for the largest valence. */
+/* Sizes of the nets of a stage. They are large enough for the largest valence. */
 struct sizes {
     size_t ring_faces, ring_points, refined_faces, refined_points;
 };
@@ -97,7 +97,7 @@ static void take_face(struct gd__walker *walker, uint32_t face, uint32_t *count)
     walker->cut_faces[(*count)++] = face;
 }
 
-/* Takes the face first, then the faces around its corners; returns their number. */
+/* Lists the face first, then the faces around its corners. Returns their number. */
 static uint32_t take_faces(struct gd__walker *walker, const struct gd__net *from, uint32_t face)
 {
     uint32_t count = 0;
@@ -194,7 +194,7 @@ bool gd__cell_at(struct gd__walker *walker, const struct gd__face_place *local, 
         piece->slack *= 2;
         gd__descend(walker, depth % 2, child, (depth + 1) % 2, &piece->origin);
     }
-    /* the descent reaches its limit only at a vertex */
+    /* the depth limit is reached only at a vertex */
     piece->face = GD_NONE;
     *corner = gd__nearest_corner(rules->arity, local->s, local->t);
     return false;

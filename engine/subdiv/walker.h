@@ -16,9 +16,9 @@
 
 #include "subdiv/surface.h"
 
-/* Limit on halvings. After this many halvings, a ring of any valence is smaller than rounding
- * errors, because it shrinks by a factor of 0.41 to 0.66 in a step. A place nearer to the vertex
- * counts as the vertex. */
+/* Largest number of halvings. After this many halvings, a ring of any valence is smaller than
+ * rounding errors, because each step multiplies its size by 0.41 to 0.66. A place that is still
+ * closer to the vertex counts as the vertex. */
 enum { GD__DEPTH_MOST = 85 };
 
 struct gd__stage {
@@ -27,11 +27,11 @@ struct gd__stage {
 
 /* A polynomial piece of a base face. */
 struct gd__cell {
-    uint32_t face;          /* GD_NONE means that there is none */
+    uint32_t face;          /* GD_NONE if there is no piece */
     struct gd__chart frame; /* maps the piece's coordinates to the base face's */
-    /* rounding of the base face's coordinates, in the piece's coordinates */
+    /* rounding error of the base face's coordinates, measured in the piece's coordinates */
     double slack;
-    struct gd_vec3 origin; /* added to the patch's values */
+    struct gd_vec3 origin; /* added to positions on the patch */
     struct gd__patch patch;
 };
 
@@ -41,9 +41,10 @@ struct gd__walker {
     uint32_t stage_count;
     struct gd__fan fan;
     uint32_t stamp;
-    /* for each face or point, its new number, valid if its stamp is current */
+    /* for each face or point, its number in the extracted net; valid if its stamp is the current
+       one */
     uint32_t *face_stamp, *face_at, *point_stamp, *point_at;
-    uint32_t *cut_faces;   /* extracted faces, numbers of the source net */
+    uint32_t *cut_faces;   /* the extracted faces, by their numbers in the source net */
     struct gd__cell piece; /* the piece of the last query */
 };
 
@@ -69,8 +70,8 @@ void gd__descend(struct gd__walker *walker, uint32_t from, uint32_t child, uint3
  * only one face. */
 bool gd__ring_is_regular(const struct gd__net *ring, struct gd__fan *fan);
 
-/* The surface at a vertex, seen from a face: the position, the normal, and unit directions s and t
- * of the face's two edges. NAN means that the vector does not exist. */
+/* The surface at a vertex, as the corner of one face: the position, the normal, and the unit
+ * directions s and t of the face's two edges. NAN means that the vector does not exist. */
 struct gd__vertex {
     struct gd_vec3 position, normal, s, t;
 };
@@ -80,9 +81,9 @@ struct gd__vertex {
 void gd__vertex_limit(struct gd__walker *walker, uint32_t at, uint32_t corner, uint32_t free,
                       struct gd_vec3 origin, struct gd__vertex *out);
 
-/* Finds the piece at a place and stores it in walker->piece. Where pieces meet, chooses the piece
- * into which (ds,dt) points. Returns false at a vertex without a piece, and sets *corner to its
- * corner of the base face. */
+/* Finds the piece at a place and stores it in walker->piece. Where pieces meet, selects the piece
+ * into which (ds,dt) points. At a vertex that no piece contains, returns false and sets *corner to
+ * the vertex' corner in the base face. */
 bool gd__cell_at(struct gd__walker *walker, const struct gd__face_place *local, double ds,
                  double dt, uint32_t *corner);
 
