@@ -1,7 +1,7 @@
 #include "transport/ascent.h"
 
-/* The directions around a point: a circle whose circumference is the total angle, or an interval at
- * the boundary. */
+/* The directions around a point: a circle whose circumference is the total angle around the point,
+ * or, at the boundary, an interval. */
 struct cone {
     const struct gd__pull *pulls;
     uint32_t count;
@@ -20,7 +20,8 @@ static struct cone cone_at(const struct gd_mesh *mesh, const struct gd_point *po
     return cone;
 }
 
-/* Returns the signed angle between two turns, by the shorter way around. */
+/* Returns the signed angle from one turn to another: of the two angles around an interior point,
+ * the smaller one. */
 static double ascent_between(const struct cone *cone, double from, double to)
 {
     return cone->is_closed ? remainder(to - from, cone->total) : to - from;
@@ -40,8 +41,8 @@ static double sum_at(const struct cone *cone, double turn)
     return sum;
 }
 
-/* Adds the vectors whose turns are less than pi from `turn`, unfolded into the plane. Tests the
- * direction of their sum. */
+/* Unfolds the vectors whose turns differ from `turn` by less than pi into the plane, and adds them.
+ * Returns the turn of their sum. */
 static double climb(const struct cone *cone, double turn)
 {
     double x = 0, y = 0;
@@ -62,9 +63,10 @@ static void try_turn(const struct cone *cone, double turn, double *best, double 
     *out = turn;
 }
 
-/* Finds the greatest sum. At the maximum the sum is smooth, or the direction is an end of the
- * interval. Only vectors less than pi away contribute. The set of these vectors changes only at
- * turns that are pi from a vector, so testing both sides of each such turn covers all sets. */
+/* Finds the greatest sum. Only vectors whose turns differ by less than pi contribute to the sum in
+ * a direction. This set of vectors changes only at turns that differ from the turn of a vector by
+ * pi. So testing both sides of each such turn covers all sets. At the boundary, the greatest sum
+ * may also be at an end of the interval. */
 static double climb_all(const struct cone *cone, double *turn)
 {
     enum { SIDES = 2 };

@@ -12,18 +12,18 @@ struct gd__pull {
     double bend; /* the path's length divided by that of its first segment: 1 for a straight path */
 };
 
-/* Finds the turn with the greatest sum of strength_i cos(min(|turn - turn_i|, pi)). Returns that
- * sum; if it is negative, every direction leads away from the vectors. In a plane, turn and sum are
- * direction and length of the vectors' sum. O(count); O(count^2) at vertices and at the
- * boundary. */
+/* Finds the turn with the greatest sum of strength_i cos(min(|turn - turn_i|, pi)). Returns this
+ * sum. If it is negative, every direction leads away from the vectors. In a plane, the turn and the
+ * sum are the direction and the length of the sum of the vectors. O(count); O(count^2) at vertices
+ * and at the boundary. */
 double gd__ascent(const struct gd_mesh *mesh, const struct gd_point *point,
                   const struct gd__pull *pulls, uint32_t count, double *turn);
 
 /* Computes Newton's step for half the sum of weight times squared distance. The second derivative
  * of a term is `weight` along the term's vector and `weight * bend` across it. Returns the step's
- * length and sets *turn to its turn. `heading` is the turn that gd__ascent computed. At a vertex
- * and at the boundary the step has this turn, because the surface is not flat around such a point.
- * O(count). */
+ * length and sets *turn to its turn. `heading` is the turn from gd__ascent. At a vertex and at the
+ * boundary, the step uses this turn instead of Newton's, because the surface is not flat around
+ * such a point. O(count). */
 double gd__ascent_step(const struct gd_mesh *mesh, const struct gd_point *point,
                        const struct gd__pull *pulls, uint32_t count, double heading, double *turn);
 

@@ -8,7 +8,7 @@
 
 enum { LANES_MOST = 2 };
 
-/* The state of one of the threads, each of which computes segments one after another. */
+/* The state of one lane. A lane is a thread that computes segments one after another. */
 struct lane {
     const struct gd__spline_work *work;
     const struct gd_control *control;
@@ -78,9 +78,9 @@ static enum gd_status arm_trace(const struct lane *lane, uint32_t i, double fact
     return GD_OK;
 }
 
-/* Computes the arm between the inner control points: a geodesic. It is the straightened form of the
- * following line: from the inner end of the first outer arm back to its knot, along `path` to the
- * next knot, and along the last outer arm to its inner end. */
+/* Computes the arm between the inner control points: a geodesic. Straightens the following line:
+ * from the inner end of the first outer arm back to its knot, along `path` to the next knot, and
+ * along the last outer arm to its inner end. */
 static enum gd_status arms_join(struct lane *lane, const struct gd_path *path,
                                 struct gd_spline_segment *segment)
 {

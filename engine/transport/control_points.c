@@ -129,7 +129,7 @@ static enum gd_status paper_tangent(const struct gd__spline_work *work, uint32_t
 {
     const struct gd_path *chord = &work->paths[work->path_count + i].path;
     struct gd_vector vector = {0};
-    if (!chord->count) { /* both neighbours are the same point */
+    if (!chord->count) { /* the two neighbours are the same point */
         *out = gd_vector_combine(work->mesh, &work->request->points[i], NULL, NULL, 0);
         return GD_OK;
     }

@@ -9,12 +9,12 @@
 struct gd__spline_work {
     const struct gd_mesh *mesh;
     const struct gd_spline_request *request;
-    /* progress of the whole call, of which each search is one part */
+    /* progress of the whole call; each search is one part of it */
     struct gd__share *share;
     const struct gd_control *control; /* the control of `share` */
     struct gd_detail *detail;
     uint32_t path_count, total_count;
-    /* total_count entries. Path i joins point i and the next point. With GD_TANGENT_PAPER, path
+    /* total_count entries. Path i joins point i to the next point. With GD_TANGENT_PAPER, path
        path_count + i joins the two neighbours of point i. */
     struct gd__point_path *paths;
     struct gd_spline_knot *knots; /* path_count + 1 entries, filled by the calls below */

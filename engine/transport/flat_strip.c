@@ -40,8 +40,8 @@ static void flat_strip_turn(const struct turning *turning, struct gd__local at, 
     out[1] = turning->unit * (from.y * along.x - from.x * along.y);
 }
 
-/* A strip under construction. A portal is the unfolded edge by which the strip enters a face; the
- * first face has one too. */
+/* A strip that is being unfolded. A portal is the unfolded edge by which the strip enters a face.
+ * The portal of the first face is `entrance`. */
 struct laying {
     const struct gd_mesh *mesh;
     const struct gd_path *path;

@@ -8,11 +8,12 @@
 #include "transport/surface_ray.h"
 #include "line/unfold.h"
 
-/* The log map at one point, for all vertices in order of distance. If the path to a vertex bends
- * last at another vertex, the paths to both leave the point in the same direction. A straight path
- * is walked back from its vertex, until it crosses an edge with a suitable end: the path to this
- * end is straight too, and runs through the same strip of faces. The directions of the two paths at
- * the point then differ by the angle between the vertex and this end in the unfolded strip. */
+/* The log map at one point, computed for all vertices in order of distance. If the last bend of the
+ * path to a vertex is at another vertex, the paths to both vertices leave the point in the same
+ * direction. If the path to a vertex is straight, it is followed back from the vertex until it
+ * crosses an edge with a suitable end. An end is suitable if its path is also straight and runs
+ * through the same strip of faces. The directions of the two paths at the point then differ by the
+ * angle between the vertex and this end in the unfolded strip. */
 
 struct map {
     const struct gd_field *field;
@@ -21,7 +22,8 @@ struct map {
     double *ahead; /* for each vertex, turn (line/turn.h) at `from`; NAN if unknown */
 };
 
-/* A walk back from a vertex. `rest` is the remaining distance to the source. */
+/* The state of a walk from a vertex back to the source. `rest` is the remaining distance to the
+ * source. */
 struct wedge_view {
     struct gd__surface_ray walk;
     double rest;
@@ -52,7 +54,7 @@ static enum gd_status trace_it(struct map *map, uint32_t vertex)
     return status;
 }
 
-/* Computes the turn of a vertex of the source's own face or edge. */
+/* Computes the turn of a vertex that shares a face or an edge with the source. */
 static enum gd_status look_beside(struct map *map, uint32_t vertex)
 {
     struct gd_point points[2] = {map->from, gd__point_of_vertex(vertex)};
@@ -99,7 +101,7 @@ static double back_of(const struct map *map, uint32_t vertex)
 }
 
 /* Computes the direction to the vertex from the direction to an end of the crossed edge. Returns
- * false if the end's path does not run through the same strip. */
+ * false if the path to this end does not run through the same strip. */
 static bool lean_on(struct map *map, const struct wedge_view *sight, uint32_t end, double x,
                     double *ahead)
 {
@@ -120,8 +122,8 @@ static bool lean_on(struct map *map, const struct wedge_view *sight, uint32_t en
     return true;
 }
 
-/* Computes the direction to the vertex by lean_on. Prefers the farther end of the crossed edge,
- * where the angle is more precise. */
+/* Computes the direction to the vertex by lean_on. Tries the farther end of the crossed edge first,
+ * because it gives a more precise angle. */
 static bool lean(struct map *map, const struct wedge_view *sight, double *ahead)
 {
     uint32_t side = sight->walk.side,

@@ -13,7 +13,7 @@
 /* Minimises f, the weighted sum of squared distances to the points, by Newton's method with halved
  * steps. While the paths to the points cross the same faces, f is a sum of squared distances in the
  * plane (to the points, or via the first bends of the paths) with known second derivatives. A
- * minimum may be at a vertex, where f has a kink. Therefore the corners of the current face are
+ * minimum may be at a vertex, where f is not smooth. Therefore the corners of the current face are
  * tried when steps must be halved. */
 
 enum { ITERATIONS = 100, HALVINGS = 8, SEARCHES = ITERATIONS / 4 };
@@ -21,8 +21,9 @@ enum { ITERATIONS = 100, HALVINGS = 8, SEARCHES = ITERATIONS / 4 };
 /* An iterate, with f and its derivatives. Turns are those of line/turn.h. */
 struct view {
     struct gd_point point;
-    double value;   /* f divided by the sum of the weights; normalised unit */
-    double slope;   /* steepest descent of value / 2; negative: f grows in all directions */
+    double value; /* f divided by the sum of the weights; normalised unit */
+    /* rate of steepest descent of value / 2; negative if f grows in all directions */
+    double slope;
     double heading; /* the turn of steepest descent */
     double length;  /* length of the next step */
     double turn;    /* turn of the next step */
@@ -113,8 +114,8 @@ static enum gd_status mean_step(const struct finder *finder, const struct view *
     return GD_OK;
 }
 
-/* Returns true if a is better than b. Near a minimum f is constant up to rounding, and the slope
- * decides. */
+/* Returns true if a is better than b. Near a minimum, f is constant up to rounding; the slopes are
+ * compared then. */
 static bool mean_is_better(const struct view *a, const struct view *b)
 {
     double noise = GD_TOL_HIT * b->value;
@@ -150,7 +151,7 @@ static enum gd_status try_corners(const struct finder *finder, struct view *view
     return status;
 }
 
-/* Moves to a better place, if one is found. */
+/* Moves to a place with a smaller f, if one is found. */
 static enum gd_status mean_improve(const struct finder *finder, struct view *view, bool *has_moved)
 {
     double part = 1;
@@ -207,7 +208,8 @@ static struct gd_point nearest_given(const struct finder *finder, struct gd_vec3
     return points[best];
 }
 
-/* Evaluates two start places near the points' mean in space and returns the better one. */
+/* Evaluates f at two places near the points' mean in space, and returns the better one as the
+ * start. */
 static enum gd_status mean_begin(const struct finder *finder, struct view *out)
 {
     struct gd_vec3 middle = centroid(finder);

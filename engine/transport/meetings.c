@@ -51,7 +51,8 @@ enum gd_status gd__meetings_create(const struct gd_mesh *mesh, const struct gd_p
         gd__meetings_destroy(meetings);
         return GD_NO_MEMORY;
     }
-    memset(meetings->newest, 0xff, mesh->face_count * sizeof *meetings->newest); /* GD_NONE */
+    memset(meetings->newest, 0xff,
+           mesh->face_count * sizeof *meetings->newest); /* sets all entries to GD_NONE */
     if (start->kind == GD_POINT_VERTEX) meetings->is_met[start->element] = true;
     *out = meetings;
     return GD_OK;
@@ -59,8 +60,8 @@ enum gd_status gd__meetings_create(const struct gd_mesh *mesh, const struct gd_p
 
 /* --- two segments ----------------------------------------------------------------------------- */
 
-/* Returns the fraction of `a` at which it first overlaps `b` on the same line; 2 if they do not
- * overlap. */
+/* For segments on the same line: returns the fraction of `a` at which it first overlaps `b`, or 2
+ * if they do not overlap. */
 static double meet_along(const struct segment *a, const struct segment *b)
 {
     struct gd__local d = gd__local_minus(a->to, a->from), w = gd__local_minus(b->from, a->from),
@@ -73,7 +74,7 @@ static double meet_along(const struct segment *a, const struct segment *b)
     return fmax(first, GD_TOL_TOUCH);
 }
 
-/* Returns the fraction of `a` at which it meets `b`; 2 if they do not meet. */
+/* Returns the fraction of `a` at which it meets `b`, or 2 if they do not meet. */
 static double meetings_meet(const struct segment *a, const struct segment *b)
 {
     struct gd__local d = gd__local_minus(a->to, a->from), e = gd__local_minus(b->to, b->from),

@@ -22,7 +22,7 @@ struct gd_curve gd__route_take_curve(struct gd__route *route, bool closed)
     return curve;
 }
 
-/* The state of a walk along a route that is divided at given lengths. */
+/* The state of a walk along a route that is being divided at given lengths. */
 struct walk {
     const struct gd__route *route;
     uint32_t at;          /* the last point passed */

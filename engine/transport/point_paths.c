@@ -23,10 +23,10 @@ struct path_search {
     struct gd__point_path *paths;
     const uint32_t *order;
     uint32_t count, lanes;
-    struct gd_workspace *workspaces[LANES_MOST]; /* NULL means that each search creates its own */
+    struct gd_workspace *workspaces[LANES_MOST]; /* NULL if each search creates its own workspace */
     atomic_uint next, done;
     atomic_size_t held;
-    atomic_int status; /* the first failure; it stops the other lane too */
+    atomic_int status; /* the first failure; it also stops the other lane */
 };
 
 void gd__point_paths_free(struct gd__point_path *paths, uint32_t count)
@@ -60,8 +60,9 @@ static struct gd_control path_search_control(struct path_search *search,
     return own;
 }
 
-/* Searches one path. The direction of the search depends on the points' places, so that reversed
- * points have the same path even if several are equally short. */
+/* Searches one path. The positions of the two points determine at which of them the search starts.
+ * So the result does not depend on the order of the points, even if several paths are equally
+ * short. */
 static enum gd_status path_search_one(struct path_search *search, struct gd__point_path *point_path,
                                       const struct gd_control *control)
 {
@@ -140,8 +141,8 @@ static int by_length(const void *a, const void *b)
     return (s->point_path > t->point_path) - (s->point_path < t->point_path);
 }
 
-/* Sorts the paths to search, the longest first, because a long search at the end would leave the
- * other lane idle. Sets *count to their number. */
+/* Sorts the paths that must be searched, the longest first. If a long search came last, the other
+ * lane would be idle. Sets *count to the number of paths. */
 static uint32_t *sort(const struct gd_mesh *mesh, const struct gd_spline_request *request,
                       const struct gd__point_path *paths, uint32_t *count)
 {

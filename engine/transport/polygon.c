@@ -10,10 +10,11 @@ void gd__polygon_free(struct gd__polygon *polygon)
 struct construction {
     struct gd__straightener *straightener;
     double part;
-    struct gd__route route; /* scratch: the line to be straightened next */
+    struct gd__route route; /* scratch memory for the line to be straightened next */
 };
 
-/* Divides a line at the fraction c->part, and replaces `before` and `behind` by its parts. */
+/* Divides a line at the fraction c->part of its length, and replaces `before` and `behind` by the
+ * two parts. */
 static enum gd_status polygon_cut(const struct construction *c, const struct gd__route *line,
                                   struct gd__route *before, struct gd__route *behind)
 {

@@ -10,9 +10,9 @@ struct sampling {
     struct gd_spline_place *places;
     uint32_t count; /* number of places so far */
     struct gd__route path;
-    /* the polyline from the last place to the beginning of the current leaf */
+    /* the polyline from the last sampled place to the beginning of the current leaf */
     struct gd__route pending;
-    bool is_at_end; /* true if the polyline so far ends at the last place */
+    bool is_at_end; /* true if the polyline so far ends at the last sampled place */
 };
 
 void gd_spline_line_free(struct gd_spline_line *line)
@@ -25,8 +25,8 @@ void gd_spline_line_free(struct gd_spline_line *line)
 
 /* --- one sampled place ------------------------------------------------------------------------ */
 
-/* Computes the direction at the beginning of a polygon; *found stays false if the polygon has
- * length zero. */
+/* Computes the direction at the beginning of a polygon. Leaves *found false if the polygon has the
+ * length 0. */
 static enum gd_status begins_in(const struct gd_mesh *mesh, const struct gd__polygon *polygon,
                                 bool *found, struct gd_direction *out)
 {
@@ -59,7 +59,7 @@ static enum gd_status ends_in(const struct gd_mesh *mesh, const struct gd__polyg
     return GD_OK;
 }
 
-/* Appends the place between two parts of a leaf. */
+/* Appends the place where the two parts of a leaf meet. */
 static enum gd_status sample_describe(struct sampling *s, const struct gd__polygon *left,
                                       const struct gd__polygon *right, double parameter,
                                       double speed)

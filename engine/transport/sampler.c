@@ -1,12 +1,13 @@
 #include "transport/sampler.h"
 
-/* limit on halvings; far fewer halvings make a length smaller than rounding errors */
+/* Largest number of halvings. After far fewer halvings, a length is smaller than rounding
+ * errors. */
 enum { DEPTH = 32 };
 
-/* Flatness of a leaf: largest distance from its chord, relative to the length of its segment's
- * polygon. In a leaf, the point of any parameter is computed by one de Casteljau construction
- * instead of further halvings. The results differ by the order of this value squared, times the
- * surface's curvature. */
+/* Flatness of a leaf: its largest distance from its chord, relative to the length of the polygon of
+ * its segment. In a leaf, the point for any parameter is computed by one construction of de
+ * Casteljau, without further halvings. The difference between both results is of the order of the
+ * square of this value times the surface's curvature. */
 #define HEIGHT_PART 1e-3
 
 void gd__sampler_free(struct gd__sampler *sampler)

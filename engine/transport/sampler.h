@@ -10,9 +10,10 @@ struct gd__sampler {
     const struct gd_mesh *mesh;
     const struct gd_spline *spline;
     struct gd__straightener straightener;
-    double progress, share; /* progress before the walk, and the walk's share of it */
-    /* largest distance of a leaf from its chord; 0 means a fraction of the length of the segment's
-       polygon */
+    /* progress before the walk, and the walk's part of the whole progress */
+    double progress, share;
+    /* largest distance of a leaf from its chord; if 0, it is a fixed fraction of the length of the
+       segment's polygon */
     double height;
     bool is_whole; /* true if each segment is one leaf */
     /* Called for each leaf in order, with its chord. */

@@ -17,7 +17,8 @@ void gd_shortening_free(struct gd_shortening *shortening)
 
 struct shortening {
     struct gd__straightener straightener;
-    /* The curve before and after a round. The route of a closed curve ends at its first point. */
+    /* `route` is the curve before a round, `line` the curve after it. The route of a closed curve
+       ends at its first point. */
     struct gd__route route, line;
     bool closed;
     double length; /* length of the original curve */
@@ -33,8 +34,8 @@ static void shortening_swap(struct shortening *s)
 
 /* --- bends ------------------------------------------------------------------------------------ */
 
-/* Returns the excess of a bend: the angle by which a line differs from a taut line. The line
- * arrives from the turn `back` and leaves in the turn `ahead`. */
+/* Returns the excess of a bend: the angle by which a line differs from a taut line at the point
+ * `at`. The line arrives from the turn `back` and leaves in the turn `ahead`. */
 static double shortening_excess(const struct gd_mesh *mesh, const struct gd_point *at, double back,
                                 double ahead)
 {
@@ -70,8 +71,8 @@ static enum gd_status begin_at(struct shortening *s, uint32_t at)
 }
 
 /* Rotates a closed route to begin at another point, so that the next round straightens the bend at
- * the present beginning. If the route passes vertices, the new beginning is the vertex nearest to
- * the middle, because a geodesic may bend at a vertex. Otherwise it is the middle. */
+ * the present beginning. If the route passes vertices, it begins at the vertex nearest to its
+ * middle, because a geodesic may bend at a vertex. Otherwise it begins at its middle. */
 static enum gd_status begin_elsewhere(struct shortening *s)
 {
     uint32_t count = s->route.count, best = 0;
@@ -116,9 +117,9 @@ static enum gd_status close_up(struct shortening *s, struct gd_shortening *out)
 
 /* --- by rounds -------------------------------------------------------------------------------- */
 
-/* Computes the lengths at which a round divides the curve. For open curves the divisions of odd
- * rounds lie midway between those of even rounds; a closed curve is rotated by half a piece
- * instead. */
+/* Computes the lengths at which a round divides the curve. For open curves, the divisions of odd
+ * rounds lie midway between those of even rounds. Closed curves have the same divisions in all
+ * rounds, because they are rotated by half a piece instead. */
 static uint32_t shortening_divide(const struct shortening *s, uint32_t pieces, bool is_odd,
                                   double *lengths)
 {

@@ -74,10 +74,10 @@ static enum gd_status find_leaves(struct gd__sampler *sampler, struct gd__parame
 
 /* --- by arc length ---------------------------------------------------------------------------- */
 
-/* A leaf of the subdivision, as a piece of the function from parameter to length. In a leaf this
- * function is nearly cubic, and the speeds at the ends are known. The length of a leaf is the mean
- * of the lengths of its chord and its polygon (J. Gravesen's estimate for cubics, with an error of
- * fourth order). */
+/* A leaf of the subdivision. The struct describes the arc length in the leaf as a function of the
+ * parameter. This function is nearly cubic, and the speeds at both ends are known. The length of
+ * the leaf is estimated by the mean of the lengths of its chord and its polygon (J. Gravesen's
+ * estimate for cubics, with an error of fourth order). */
 struct stretch {
     double begin, end; /* parameters */
     double length, first_speed, last_speed;

@@ -8,7 +8,7 @@
 struct gd__parameters {
     double *values; /* owned, ascending */
     uint32_t count, capacity;
-    double step; /* arc length of a step, in the mesh's unit; 0 means steps differ */
+    double step; /* arc length of a step, in the mesh's unit; 0 if the steps differ */
 };
 
 /* Computes the parameters of a sampling. Sets the sampler's visitor and height, so the caller must

@@ -19,8 +19,8 @@ void gd_spline_free(struct gd_spline *spline)
 
 /* --- joints ----------------------------------------------------------------------------------- */
 
-/* Computes the angle between an arriving and a leaving path, as a deviation from the straight
- * continuation; angles as in gd_direction. */
+/* Computes the angle between the straight continuation of an arriving path and a leaving path.
+ * Angles are measured as in gd_direction. */
 static enum gd_status angle_between(const struct gd_mesh *mesh, const struct gd_path *in,
                                     const struct gd_path *out, double *angle)
 {
@@ -33,11 +33,11 @@ static enum gd_status angle_between(const struct gd_mesh *mesh, const struct gd_
     return GD_OK;
 }
 
-/* Returns the geodesic to which the curve is tangent at its end (side 1) or beginning (side 0): the
- * first arm, counted from that end, that is not a single point. If the arm at the end is a single
- * point, the speed there is 0. Halving the curve keeps the control points next to that end on the
- * next arm. So the next arm has the direction of the tangent. NULL means that all arms are single
- * points. */
+/* Returns the arm to which the curve is tangent at its beginning (side 0) or end (side 1). It is
+ * the first arm, counted from there, that is not a single point. If the first arm is a single
+ * point, the speed there is 0. When the curve is halved, the control points near this end stay on
+ * the next arm, so the next arm has the direction of the tangent. Returns NULL if all arms are
+ * single points. */
 static const struct gd_path *tangent_arm(const struct gd_spline_segment *segment, int side)
 {
     for (int k = 0; k < 3; k++) {

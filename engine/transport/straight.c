@@ -26,8 +26,8 @@ static struct gd_vec3 mesh_normal(const struct gd_mesh *mesh, uint32_t vertex)
     return sum;
 }
 
-/* The plane through a vertex that contains a line and the normal. `ahead` is the line's direction
- * without its component along the normal. */
+/* The plane through a vertex that contains the arriving line and the normal. `ahead` is the line's
+ * direction without its component along the normal. */
 struct plane {
     struct gd_vec3 across, ahead;
 };
@@ -44,8 +44,8 @@ static struct plane plane_of(const struct gd_mesh *mesh, uint32_t vertex, double
 }
 
 /* Intersects the plane with the edge opposite to the vertex in the face of a fan entry. Returns the
- * cosine of the angle between `ahead` and the direction to the intersection (-1 if there is none),
- * and sets *turn to that direction's turn. */
+ * cosine of the angle between `ahead` and the direction to the intersection, and sets *turn to the
+ * turn of this direction. Returns -1 if there is no intersection. */
 static double meet_face(const struct gd_mesh *mesh, uint32_t vertex, const struct gd_fan *fan,
                         const struct plane *plane, double *turn)
 {
@@ -60,8 +60,8 @@ static double meet_face(const struct gd_mesh *mesh, uint32_t vertex, const struc
     return gd_vec3_dot(x, plane->ahead) / (gd_vec3_length(x) * gd_vec3_length(plane->ahead));
 }
 
-/* Computes the turn in the plane of line and normal. If there are several, it is the turn nearest
- * to `ahead`. Returns false if there is none. */
+/* Computes the turn of a direction in the plane of the line and the normal. If there are several
+ * such directions, uses the one nearest to `ahead`. Returns false if there is none. */
 static bool by_normal(const struct gd_mesh *mesh, uint32_t vertex, double back,
                       struct gd_vec3 normal, double *out)
 {

@@ -6,8 +6,8 @@
 #include "line/turn.h"
 
 /* Computes the turn (line/turn.h) in which a line that arrived from the turn `back` leaves a
- * vertex, by the rule of the options. Returns false, only at the boundary, if the straight
- * continuation leaves the surface. O(faces around the vertex). */
+ * vertex, by the rule of the options. Returns false if the straight continuation leaves the
+ * surface, which is possible only at the boundary. O(faces around the vertex). */
 bool gd__straight_on(const struct gd_mesh *mesh, uint32_t vertex, double back,
                      const struct gd_trace_options *options, double *out);
 

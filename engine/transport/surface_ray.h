@@ -1,35 +1,36 @@
 /* Surface ray: a straight line that is traced from face to face. It enters the face of `side`
  * across that side, at distance `t` from the side's origin. Its direction (dx, dy) in the side's
- * frame is a unit vector with dy >= 0. Crossing a face takes no rotation in space and reads one
- * record of the mesh. */
+ * frame is a unit vector with dy >= 0. To cross a face, the ray needs no rotation in space and
+ * reads only one record of the mesh. */
 #ifndef GD_TRANSPORT_SURFACE_RAY_H
 #define GD_TRANSPORT_SURFACE_RAY_H
 
 #include "mesh/topology.h"
 
 struct gd__surface_ray {
-    uint32_t side; /* a side without a face if the line has reached the boundary */
+    uint32_t side; /* a side without a face means that the line has reached the boundary */
     double t, dx, dy;
 };
 
 /* The crossing of a face: `edge` is the length of the edge by which the line leaves, `run` the
- * line's length in the face. If the line runs into the end of an edge up to rounding, the ray's t
- * may lie off the edge or be NaN, and `run` is undefined. */
+ * line's length in the face. If the line meets the end of an edge up to rounding, the ray's t may
+ * be outside the edge or NaN, and `run` is undefined. */
 struct gd__face_crossing {
     double edge, run;
 };
 
 static inline void gd__surface_ray_turn(struct gd__surface_ray *walk, double x, double y)
 {
-    /* one Newton step keeps the length at 1 over any number of faces */
+    /* one step of Newton's method keeps the length of the vector at 1 over any number of faces */
     double length = x * x + y * y, scale = 1.5 - 0.5 * length;
     walk->dx = x * scale;
     walk->dy = y * scale;
 }
 
 /* Crosses the face of the ray's side, whose record is `s`, to the left edge, origin -> apex, or the
- * right one, apex -> destination. With u along the edge, sin = |u x d| is the new dy, so one
- * division gives both t and run. A line from the side's origin leaves by the right edge. */
+ * right one, apex -> destination. Let u be the unit vector along the edge, and d the direction.
+ * Then |u x d| is the new dy, and one division gives both t and run. A line from the side's origin
+ * leaves by the right edge. */
 static inline struct gd__face_crossing gd__surface_ray_cross(const struct gd_side *s,
                                                              struct gd__surface_ray *walk)
 {

@@ -84,16 +84,18 @@ static inline struct gd_point *line_last(const struct line *line)
     return &line->points[line->count - 1];
 }
 
-/* A trace alternates between rays and halts. A ray runs straight from face to face. A halt is a
- * vertex, a place on the boundary, or the end of the trace. The state of a ray is its side, which
- * determines the face. At a halt the direction of arrival is stored as a turn (line/turn.h). */
+/* A trace alternates between rays and halts. A ray runs straight from face to face; its side
+ * determines the current face. A halt is a vertex, a place on the boundary, or the end of the
+ * trace. At a halt, the direction of arrival is stored as a turn (line/turn.h). */
 
 enum halt {
-    HALT_NONE,   /* crossing an edge into the face of the ray's side */
-    HALT_VERTEX, /* at the last point, arrived from the turn `back` */
-    HALT_BORDER, /* on the ray's side, which is a boundary side */
-    HALT_END,    /* the length is reached; this halt and the following ones end the trace */
-    HALT_STOP,   /* the boundary is reached */
+    HALT_NONE, /* no halt: the ray enters the face of its side */
+    /* at a vertex, the last point of the line; the line arrived from the turn `back` */
+    HALT_VERTEX,
+    HALT_BORDER, /* at the boundary, on the ray's side */
+    /* the requested length is reached; this halt and the following ones end the trace */
+    HALT_END,
+    HALT_STOP, /* the boundary is reached */
     HALT_MEETING,
     HALT_LIMIT /* the step limit is reached, or the line's status is a failure */
 };
@@ -104,7 +106,8 @@ struct tracer {
     struct line line;
     struct gd__surface_ray walk;
     enum halt halt;
-    /* at halts except NONE and BORDER: the turn at the last point back along the line */
+    /* at all halts except NONE and BORDER: the turn, at the last point, of the direction back along
+       the line */
     double back;
     struct gd__meetings *meetings; /* NULL if not requested */
     struct gd_direction ahead;     /* direction at the start */
@@ -112,7 +115,7 @@ struct tracer {
 
 /* --- one face --------------------------------------------------------------------------------- */
 
-/* Returns the accumulated rounding error of a point's place. */
+/* Returns a bound on the accumulated rounding error of the line's place. */
 static inline double drift(const struct tracer *tracer)
 {
     return GD_TOL_DRIFT * tracer->line.gone;
@@ -140,7 +143,7 @@ static enum halt transport_trace_meet(struct tracer *tracer, uint32_t face, doub
     return HALT_MEETING;
 }
 
-/* Appends a point of a face, reached by a straight segment in that face. */
+/* Appends a point of a face. The segment to this point lies in the same face. */
 static inline enum halt transport_trace_append(struct tracer *tracer, struct gd_point point,
                                                uint32_t face, double run, enum halt halt)
 {
@@ -148,8 +151,8 @@ static inline enum halt transport_trace_append(struct tracer *tracer, struct gd_
     return tracer->meetings ? transport_trace_meet(tracer, face, run, halt) : halt;
 }
 
-/* Returns the point of the side's face at a place in the side's frame, snapped to an edge or a
- * vertex within `snap`. */
+/* Returns the point of the side's face at a place in the side's frame. If an edge or a vertex is
+ * within the distance `snap`, moves the point there. */
 static struct gd_point point_at(const struct gd_mesh *mesh, uint32_t side, struct gd__local at,
                                 double snap)
 {
@@ -224,7 +227,8 @@ static inline enum halt transport_trace_pass(struct tracer *tracer, const struct
                                              const struct gd__face_crossing *passage)
 {
     const struct gd__surface_ray *walk = &tracer->walk;
-    /* near its start a line is accurate enough to determine on which side of a vertex it passes */
+    /* near its start, the line is accurate enough to determine on which side of a vertex it
+       passes */
     double gone = tracer->line.gone + passage->run;
     double snap =
         GD_TOL_HIT * fmin(passage->edge, gone) + GD_TOL_PLACE * passage->edge + drift(tracer);
@@ -273,7 +277,7 @@ static struct gd__face_crossing leave_from_inside(const struct gd_mesh *mesh,
             passage = (struct gd__face_crossing){s->length, run};
             *walk = (struct gd__surface_ray){side ^ 1, s->length - (x + run * dx), -dx, -dy};
         }
-        /* transforms to the frame of the next side, destination -> apex */
+        /* transforms to the frame of the next side, from the destination to the apex */
         double ux = -s->right_x, uy = -s->right_y, rx = x - s->length, ry = y, ex = dx, ey = dy;
         x = rx * ux + ry * uy, y = ry * ux - rx * uy;
         dx = ex * ux + ey * uy, dy = ey * ux - ex * uy;
@@ -322,9 +326,9 @@ static enum halt transport_trace_slide(struct tracer *tracer, uint32_t side, dou
                                   is_end ? HALT_END : HALT_VERTEX);
 }
 
-/* Returns true if the line reaches the boundary at a very small angle, so that only rounding
- * separates the line's end, or the vertex ahead, from the boundary edge. The line then continues
- * along the edge, because the place where it crosses the edge is undetermined. */
+/* Returns true if the line reaches the boundary at such a small angle that its end, or the vertex
+ * ahead, is on the boundary edge up to rounding. The line then continues along the edge, because
+ * the place where it crosses the edge is undetermined. */
 static bool grazes(const struct tracer *tracer)
 {
     const struct gd__surface_ray *walk = &tracer->walk;
@@ -363,7 +367,7 @@ static inline enum halt go_on(struct tracer *tracer)
                                         tracer->walk.side ^ 1, tracer->walk.dx, tracer->walk.dy);
     double back = tracer->back;
     enum halt halt = tracer->halt == HALT_VERTEX ? at_vertex(tracer) : at_border(tracer);
-    if (halt == HALT_LIMIT) tracer->back = back; /* the last point is still the point of the halt */
+    if (halt == HALT_LIMIT) tracer->back = back; /* the line still ends at the point of the halt */
     return halt;
 }
 

@@ -26,8 +26,8 @@ static uint32_t count_parts(const struct gd_path *path)
     return count;
 }
 
-/* Returns true if the length of the unfolded parts equals the path's, up to the rounding of lengths
- * and of places in faces. */
+/* Returns true if `sum`, the length of the unfolded parts, equals the path's length up to the
+ * rounding of lengths and of places in faces. */
 static bool agree(const struct gd_mesh *mesh, const struct gd_path *path, double sum)
 {
     double slack =
@@ -75,8 +75,8 @@ enum gd_status gd_vector_log(const struct gd_mesh *mesh, const struct gd_path *p
 
 /* --- exp -------------------------------------------------------------------------------------- */
 
-/* Returns the vertex near the end of a segment, where the next segment should begin; the end itself
- * if no vertex is near. */
+/* Returns the point where the next segment begins: a vertex near the end of this segment, or the
+ * end itself if no vertex is near. */
 static struct gd_point vector_settle(const struct gd_mesh *mesh, const struct gd_point *end,
                                      double length)
 {
@@ -168,8 +168,8 @@ enum gd_status gd_vector_exp(const struct gd_mesh *mesh, const struct gd_exp_req
 /* --- transport -------------------------------------------------------------------------------- */
 
 /* Returns a vector with the given angle at a point. At a boundary vertex, angles that differ by 2
- * pi are different directions. So the multiple of 2 pi is added that brings the angle nearest to
- * the surface. */
+ * pi are different directions. So a multiple of 2 pi is added to the angle, such that the result is
+ * nearest to the angles on the surface. */
 static struct gd_vector vector_at(const struct gd_mesh *mesh, const struct gd_point *point,
                                   double angle, double length)
 {
