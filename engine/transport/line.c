@@ -3,10 +3,8 @@
 #include <stdlib.h>
 
 enum {
-    FIRST = 64,
-    CHUNK = 16384
-    /* initial capacity, and number of points between two checks of the control (a millisecond of
-       work) */
+    FIRST = 64,   /* initial capacity */
+    CHUNK = 16384 /* number of points between two checks of the control (a millisecond) */
 };
 
 static uint32_t next_capacity(const struct gd__line *line)
