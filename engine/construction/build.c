@@ -7,7 +7,7 @@
 
 struct step {
     enum gd_status (*run)(struct gd__construction *work);
-    double done; /* progress after the step, measured on a sphere of 328k faces */
+    double done; /* progress of the build after this step, measured on a sphere of 328k faces */
 };
 
 static const struct step steps[] = {
@@ -33,8 +33,8 @@ static enum gd_status run_steps(struct gd__construction *work)
     return gd_control_check(work->control, 1);
 }
 
-/* Returns the status of a step. An interrupted step may report an error about unfinished data, so
- * the status of the pace replaces it. */
+/* Returns the status of a step. A step that the pace has stopped may report an error about
+ * unfinished data, so the status of the pace replaces the step's status. */
 static enum gd_status outcome(const struct gd__construction *work, enum gd_status status)
 {
     if (!work->pace.status) return status;

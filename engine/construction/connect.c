@@ -15,9 +15,9 @@ static uint32_t opposite_corner(const struct gd__construction *work, uint32_t si
 }
 
 struct findings {
-    /* a: a face; witness: an earlier face with the same vertices */
+    /* `a` is a face, `witness` an earlier face with the same vertices */
     struct gd__offenders duplicates;
-    /* a, b: an edge of more than two faces; witness: its first entry in the table */
+    /* (`a`, `b`) is an edge of more than two faces, `witness` its first entry in the edge table */
     struct gd__offenders crowded;
 };
 
@@ -38,13 +38,13 @@ static bool is_duplicate(const struct gd__construction *work, const struct gd__e
 
 static int compare_apices(const void *x, const void *y)
 {
-    const struct gd__edge_use *a = x, *b = y; /* `high` is the apex here */
+    const struct gd__edge_use *a = x, *b = y; /* here, the member `high` is the apex of the face */
     if (a->high != b->high) return a->high < b->high ? -1 : 1;
     return a->side < b->side ? -1 : a->side > b->side;
 }
 
 /* Finds faces with the same vertices. Such faces share the edge between their two lowest vertices.
- * Only that edge is searched, so each duplicate is found once. */
+ * Only this edge is tested, so each duplicate is found once. */
 static enum gd_status find_duplicates(const struct gd__construction *work,
                                       const struct gd__edge_use *use, uint32_t count,
                                       struct findings *findings)

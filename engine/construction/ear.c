@@ -26,7 +26,7 @@
 
 struct gd__ear_clipper {
     struct gd__ring_corner *corner;
-    uint32_t *reflex; /* the corners that another ear may contain */
+    uint32_t *reflex; /* the reflex corners: only these can lie in the triangle of an ear */
     uint32_t reflex_count;
     uint32_t left; /* number of corners in the ring */
     double least;  /* lowest score at which a corner may be cut off */
@@ -53,8 +53,8 @@ void gd__ear_clipper_free(struct gd__ear_clipper *clipper)
     free(clipper);
 }
 
-/* Returns true if the ring at p, a second occurrence of vertex b, continues within the angle at
- * b. */
+/* p is a second occurrence of the vertex of b. Returns true if the ring enters or leaves p within
+ * the angle at b between a and c. */
 static bool is_within_angle(const struct gd__ear_clipper *clipper, const struct gd__ring_corner *a,
                             const struct gd__ring_corner *b, const struct gd__ring_corner *c,
                             const struct gd__ring_corner *p)
@@ -69,7 +69,7 @@ static bool is_within_angle(const struct gd__ear_clipper *clipper, const struct 
     return false;
 }
 
-/* Returns true if the closed triangle of the convex corner i contains another reflex corner. */
+/* Returns true if the triangle of the convex corner i, or its border, contains a reflex corner. */
 static bool is_blocked(const struct gd__ear_clipper *clipper, uint32_t i)
 {
     const struct gd__ring_corner *corner = clipper->corner, *b = &corner[i],
@@ -125,7 +125,8 @@ static bool is_reflex(const struct gd__ear_clipper *clipper, uint32_t i)
     return gd__ring_turn(&clipper->corner[c->previous], c, &clipper->corner[c->next]) <= 0;
 }
 
-/* Returns the corner with the highest score in the ring of `any`; in a tie the first. */
+/* Returns the corner with the highest score in the ring that contains `any`. In a tie, returns the
+ * first one. */
 static uint32_t best_corner(const struct gd__ear_clipper *clipper, uint32_t any)
 {
     uint32_t best = any;
@@ -160,8 +161,8 @@ static void ear_emit(const struct gd__ear_clipper *clipper, uint32_t i, uint32_t
     triangle[2] = clipper->corner[c->next].vertex;
 }
 
-/* Cuts off ears until `stop` >= 3 corners are left. Returns a remaining corner, or GD_NONE if no
- * corner may be cut off. */
+/* Cuts off ears until `stop` corners are left, `stop` >= 3. Returns one of the corners that are
+ * left, or GD_NONE if the process stops earlier because no corner may be cut off. */
 static uint32_t cut_ears(struct gd__ear_clipper *clipper, uint32_t stop, uint32_t (*triangle)[3])
 {
     uint32_t at = 0;

@@ -5,7 +5,8 @@
 #include "base/hash.h"
 #include "base/large.h"
 
-#define FREE_SLOT UINT64_MAX /* this value is not a valid edge, because its ends would be equal */
+/* this value is not a valid edge, because both ends would be the same vertex */
+#define FREE_SLOT UINT64_MAX
 
 enum gd_status gd__edge_set_create(uint64_t most, struct gd__pace *pace, struct gd__edge_set *out)
 {
@@ -14,7 +15,7 @@ enum gd_status gd__edge_set_create(uint64_t most, struct gd__pace *pace, struct 
     uint64_t *slot = gd__large_array(slots, sizeof *slot);
     if (!slot) return GD_NO_MEMORY;
     gd__pace_fill(pace, slot, slots * sizeof *slot);
-    /* the hash differs from run to run, so that no file can provoke collisions */
+    /* the hash differs from run to run, so that nobody can make a file whose edges collide */
     *out = (struct gd__edge_set){slot, slots - 1, gd_now_ns() ^ (uintptr_t)slot};
     return pace->status;
 }

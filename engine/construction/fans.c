@@ -4,8 +4,8 @@
 #include "base/slices.h"
 #include "construction/steps.h"
 
-/* Returns the next outgoing side counter-clockwise around the vertex; at the end of an open fan the
- * boundary side. */
+/* Returns the next outgoing side counter-clockwise around the vertex. At the end of an open fan,
+ * this is the boundary side. */
 static uint32_t next_in_fan(const struct gd_mesh *mesh, uint32_t side)
 {
     return mesh->side[side].left;
@@ -29,7 +29,8 @@ static enum gd_vertex_kind fans_kind_of(double total_angle, bool open)
     return total_angle > 2 * M_PI + GD_TOL_SADDLE ? GD_VERTEX_SADDLE : GD_VERTEX_CONVEX;
 }
 
-/* Returns the corner behind the edge that is opposite to the origin of a side in its face. */
+/* Let e be the edge opposite to the origin of a side in the side's face. Returns the apex of the
+ * face on the other side of e, or GD_NONE at the boundary. */
 static uint32_t corner_beyond(const struct gd_mesh *mesh, uint32_t side)
 {
     uint32_t across = mesh->side[side].right;

@@ -3,13 +3,14 @@
 #include "construction/interval.h"
 
 struct ring {
-    const struct gd__ring_corner *corner[GD_INTERVAL_MAX_CORNERS]; /* in the order of the ring */
+    /* the corners in the order of the ring */
+    const struct gd__ring_corner *corner[GD_INTERVAL_MAX_CORNERS];
     uint32_t count;
     const struct gd__edge_set *edges;
 };
 
-/* Returns the cost of a triangle. A flipped triangle costs more than any number of badly shaped
- * triangles. */
+/* Returns the cost of a triangle. A flipped triangle costs more than any number of triangles with a
+ * bad shape. */
 static double interval_cost_of(const struct ring *ring, uint32_t i, uint32_t k, uint32_t j)
 {
     const struct gd__ring_corner *a = ring->corner[i], *b = ring->corner[k], *c = ring->corner[j];
@@ -31,7 +32,7 @@ static void solve_interval(struct gd__interval_table *table, const struct ring *
     }
 }
 
-/* Writes the triangles of the whole ring. A stack holds the intervals that are still to be
+/* Writes the triangles of the whole ring. A stack contains the intervals that must still be
  * divided. */
 static void interval_emit(const struct gd__interval_table *table, const struct ring *ring,
                           uint32_t (*triangle)[3])

@@ -1,4 +1,4 @@
-/* Interval: finds the best of all triangulations of a small ring that have no forbidden
+/* Interval: finds the best triangulation of a small ring among all triangulations without forbidden
  * diagonals. */
 #ifndef GD_CONSTRUCTION_INTERVAL_H
 #define GD_CONSTRUCTION_INTERVAL_H
@@ -7,7 +7,7 @@
 
 #define GD_INTERVAL_MAX_CORNERS 64
 
-/* The best triangulation of each interval of corners, from corner i to corner j around the ring:
+/* The best triangulation of each interval of corners (from corner i to corner j along the ring):
  * its cost, and the corner that forms a triangle with corners i and j. */
 struct gd__interval_table {
     double cost[GD_INTERVAL_MAX_CORNERS][GD_INTERVAL_MAX_CORNERS];

@@ -9,8 +9,9 @@
 #include "construction/offenders.h"
 #include "repair/repair.h"
 
-/* A corner has the number of the side that starts there: 3 face + k. The next two functions return
- * the neighbouring corners around its vertex. */
+/* The number of a corner is that of the side that starts there: 3 face + k. The next two functions
+ * return the neighbouring corner of the same vertex, in the next face counter-clockwise or
+ * clockwise. */
 
 static uint32_t counter_clockwise(const uint32_t *neighbour, uint32_t corner)
 {

@@ -1,13 +1,13 @@
-/* Offenders: collects the lowest-numbered elements that a check rejects, in any order of
- * discovery. */
+/* Offenders: collects the elements with the lowest numbers that a check rejects. The check may find
+ * them in any order. */
 #ifndef GD_CONSTRUCTION_OFFENDERS_H
 #define GD_CONSTRUCTION_OFFENDERS_H
 
 #include "gd/status.h"
 
 struct gd__offender {
-    uint64_t a, b;    /* as in struct gd_detail */
-    uint32_t witness; /* another element, for the wording of the error */
+    uint64_t a, b;    /* the element, as in struct gd_detail */
+    uint32_t witness; /* another element, which the error text names */
 };
 
 struct gd__offenders {

@@ -17,7 +17,7 @@ struct keyed_vertex {
     uint32_t index;
 };
 
-/* Inserts two zero bits before each of the 21 low bits. */
+/* Inserts two zero bits above each of the 21 low bits. */
 static uint64_t spread(uint64_t x)
 {
     x = (x | x << 32) & 0x001f00000000ffffu;
@@ -155,7 +155,7 @@ static void copy_positions(struct gd__construction *work)
             work->mesh->input_position[work->mesh->copy_of[c]];
 }
 
-/* Maps the index of each merged vertex to the vertex of its representative. */
+/* Maps the index of each merged vertex to the internal number of its representative. */
 static void name_merged_vertices(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;

@@ -8,7 +8,7 @@
 
 struct contradictions {
     const struct gd__construction *work;
-    struct gd__offenders edges; /* a, b: an edge; witness: a face of its component */
+    struct gd__offenders edges; /* (`a`, `b`) is an edge, `witness` a face of its component */
 };
 
 static void note_contradiction(void *user, uint32_t side)

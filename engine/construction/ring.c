@@ -22,7 +22,8 @@ static void link_ring(const double (*positions)[3], const uint32_t *vertex, uint
     }
 }
 
-/* Returns Newell's normal: the sum of the cross products along the ring, twice the area vector. */
+/* Returns Newell's normal: the sum of the cross products of consecutive corners along the ring. It
+ * is twice the area vector. */
 static struct gd_vec3 ring_normal_of(const struct gd__ring_corner *corner, uint32_t count)
 {
     struct gd_vec3 normal = {0, 0, 0};
@@ -32,8 +33,8 @@ static struct gd_vec3 ring_normal_of(const struct gd__ring_corner *corner, uint3
     return normal;
 }
 
-/* Projects the ring by dropping the coordinate in which its normal is largest. That preserves
- * orientations and containment in triangles. */
+/* Projects the ring by removing the coordinate in which its normal is largest. This does not change
+ * orientations, nor whether a corner lies in a triangle. */
 static void ring_project(struct gd__ring_corner *corner, uint32_t count)
 {
     struct gd_vec3 n = ring_normal_of(corner, count), size = {fabs(n.x), fabs(n.y), fabs(n.z)};

@@ -9,12 +9,13 @@
 
 struct gd__ring_corner {
     double x, y;  /* in the plane */
-    double score; /* score as the next ear to cut, see ear.c */
+    double score; /* the corner with the best score is cut off next, see ear.c */
     /* position relative to corner 0, in units of the polygon's extent, so that products neither
        overflow nor underflow */
     struct gd_vec3 position;
     uint32_t vertex, previous, next;
-    uint32_t reflex_slot; /* index in the list of reflex corners; GD_NONE if convex or cut off */
+    /* index in the list of reflex corners, or GD_NONE if the corner is convex or cut off */
+    uint32_t reflex_slot;
 };
 
 /* Fills corner[0 .. count-1] with the whole polygon. */
@@ -33,7 +34,7 @@ static inline double gd__ring_turn(const struct gd__ring_corner *a, const struct
 double gd__ring_shape(const struct gd__ring_corner *a, const struct gd__ring_corner *b,
                       const struct gd__ring_corner *c);
 
-/* Returns true if a diagonal may join a and b: the edge does not exist yet, and its length is not
+/* Returns true if a-b may be a diagonal: the edge does not exist yet, and its length is not
  * zero. */
 bool gd__ring_may_join(const struct gd__edge_set *edges, const struct gd__ring_corner *a,
                        const struct gd__ring_corner *b);

@@ -6,7 +6,7 @@
 #include "construction/steps.h"
 
 struct edge_range {
-    double min, mean, max; /* in the unit of `scale` */
+    double min, mean, max; /* edge lengths, in the unit of `scale` */
 };
 
 struct edge_measuring {

@@ -1,5 +1,5 @@
-/* Builds the sides of the edges: their numbers from the faces' neighbours, their frames from the
- * positions of the corners. */
+/* Builds the sides of the edges. Computes their numbers from the faces' neighbours, and their
+ * frames from the positions of the corners. */
 #include <math.h>
 #include <stdatomic.h>
 
@@ -16,8 +16,8 @@ static struct gd__triangle sides_measure(const struct gd_mesh *mesh, const uint3
     return gd__triangle_measure(gd_vec3_sub(b, a), gd_vec3_sub(c, b), gd_vec3_sub(a, c));
 }
 
-/* Computes the frame of side k of the triangle. The apex is the start of the triangle's side before
- * k and the end of the side after k. */
+/* Computes the frame of side k of the triangle. The apex is the start of side k - 1 and the end of
+ * side k + 1. */
 static void frame_side(const struct gd__triangle *t, uint32_t k, struct gd_side *side)
 {
     uint32_t after = gd__next_corner(k), before = gd__previous_corner(k);
@@ -78,7 +78,7 @@ static void make_faces(void *context, struct gd__pace *pace, uint32_t begin, uin
 static uint32_t count_edges(struct gd__construction *work)
 {
     uint32_t count = 0;
-    /* GD_NONE is greater than any side */
+    /* this is also true at the boundary, where the neighbour is GD_NONE */
     GD__PACED (&work->pace, s, 3 * work->mesh->face_count) count += work->neighbour[s] > s;
     return count;
 }

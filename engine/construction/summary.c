@@ -42,7 +42,7 @@ static uint32_t boundary_side_from(const struct gd_mesh *mesh, uint32_t vertex)
     return mesh->side[mesh->fan[mesh->fan_first[vertex + 1] - 1].side].left;
 }
 
-/* Measures the loop of boundary side `start` and marks its vertices. */
+/* Measures the boundary loop that contains the side `start`, and marks its vertices. */
 static struct gd_boundary walk_loop(struct gd__construction *work, uint32_t start, uint8_t *visited)
 {
     const struct gd_mesh *mesh = work->mesh;
@@ -103,8 +103,8 @@ static void measure_edges(struct gd__construction *work)
     mesh->summary.edge_length.max = most * mesh->unit;
 }
 
-/* Computes the topology: chi = V - E + F and, for each orientable component, chi = 2 - 2 genus -
- * boundaries. */
+/* Computes the Euler characteristic chi = V - E + F, and the genus from chi = 2 - 2 genus -
+ * boundaries, which holds for each orientable component. */
 static void sum_up(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;

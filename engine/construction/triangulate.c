@@ -1,5 +1,5 @@
-/* Converts polygons to triangles. The triangles of a polygon are consecutive. Each triangle has at
- * least one new diagonal, so no two polygons yield the same triangle. */
+/* Converts polygons to triangles. The triangles of a polygon are consecutive. Each triangle of a
+ * divided polygon has at least one new diagonal, so two polygons cannot give the same triangle. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -69,8 +69,8 @@ static enum gd_status triangulate_split(struct gd__construction *work, uint32_t 
 }
 
 /* Assigns face indices to the triangles of a polygon. A face index counts the triangles of the
- * input's polygons, before vertices are merged. A polygon that lost corners leaves its last indices
- * unused. Returns the first index of the next polygon. */
+ * input's polygons, before vertices are merged. If a polygon lost corners, its last indices are not
+ * used. Returns the first index of the next polygon. */
 static uint32_t name_triangles(struct gd__construction *work, uint32_t polygon, uint32_t made,
                                uint32_t index)
 {
@@ -111,7 +111,7 @@ static enum gd_status triangulate_polygons(struct gd__construction *work, uint32
     struct gd__edge_set edges = {0};
     struct gd__ear_clipper *clipper = gd__ear_clipper_create(most_corners);
     enum gd_status status = clipper ? GD_OK : GD_NO_MEMORY;
-    /* room for all edges of the polygons and all diagonals */
+    /* the set must have room for all edges and all diagonals of the polygons */
     if (!status)
         status = gd__edge_set_create(gd_polygons_corner_count(work->polygons) +
                                          (uint64_t)mesh->face_count,
@@ -122,7 +122,7 @@ static enum gd_status triangulate_polygons(struct gd__construction *work, uint32
     return status;
 }
 
-/* Copies the corners of polygons that are all triangles. */
+/* Copies the corners, if all polygons are triangles. */
 static void take_triangles(struct gd__construction *work)
 {
     const uint32_t *corners = work->polygons->corners;

@@ -91,8 +91,9 @@ static enum gd_status check_coordinates(struct gd__construction *work)
     return GD_OK;
 }
 
-/* Finds repeated corners. `seen_in[v]`: 1 + the last polygon with corner v. A polygon with a bridge
- * to a hole contains the ends of the bridge twice, which ear clipping handles. */
+/* Finds polygons with repeated corners. `seen_in[v]` is 1 + the number of the last polygon with the
+ * corner v. A polygon with a bridge to a hole contains both ends of the bridge twice; ear clipping
+ * handles this case. */
 static void find_repeated_corners(struct gd__construction *work, uint32_t *seen_in,
                                   struct gd__offenders *offenders)
 {
