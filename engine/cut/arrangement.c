@@ -5,8 +5,7 @@
 
 #include "mesh/segment.h"
 
-/* Limit on the number of processed segments: WORK_AT_LEAST, plus WORK_A_SEGMENT for each point of
- * the curve. */
+/* At most WORK_AT_LEAST segments are processed, plus WORK_A_SEGMENT for each point of the curve. */
 #define WORK_A_SEGMENT 4096
 #define WORK_AT_LEAST  (UINT64_C(1) << 22)
 
@@ -42,7 +41,8 @@ static enum gd_status push_through(struct gd__arrangement *arrangement, struct g
     return status ? status : arrangement_push(arrangement, segment.face, node, segment.b);
 }
 
-/* Removes a kept segment from its face's list; `link` points at it. */
+/* Removes a kept segment from its face's list. `link` is the address of the number that refers to
+ * the segment. */
 static struct gd__segment arrangement_take(struct gd__arrangement *arrangement, uint32_t *link)
 {
     struct gd__segment segment = arrangement->segments[*link];
@@ -52,8 +52,8 @@ static struct gd__segment arrangement_take(struct gd__arrangement *arrangement, 
 
 /* --- segments that pass nodes ----------------------------------------------------------------- */
 
-/* Returns the distance of a place from the interior of the segment a-b; INFINITY if its projection
- * is beyond the ends. */
+/* Returns the distance of a place from the segment a-b, or INFINITY if its projection onto the line
+ * lies beyond the ends of the segment. */
 static double distance_from(struct gd__local a, struct gd__local b, struct gd__local p)
 {
     double dx = b.x - a.x, dy = b.y - a.y, px = p.x - a.x, py = p.y - a.y;
@@ -74,7 +74,8 @@ static double distance_of_node(const struct gd__arrangement *arrangement,
     return distance_from(place[0], place[1], place[2]);
 }
 
-/* Returns the node nearest to the segment within half a reach, or GD_NONE if there is none. */
+/* Returns the node that is nearest to the segment and within half the face's reach of it, or
+ * GD_NONE if there is none. */
 static uint32_t find_passed(struct gd__arrangement *arrangement, const struct gd__segment *segment)
 {
     struct gd__nodes *nodes = &arrangement->nodes;
@@ -102,7 +103,7 @@ static enum gd_status revisit_face(struct gd__arrangement *arrangement, uint32_t
         if (distance_of_node(arrangement, &arrangement->segments[*link], node) < reach) {
             struct gd__segment segment = arrangement_take(arrangement, link);
             status = arrangement_push(arrangement, face, segment.a, segment.b);
-            /* restarts, because the list of segments may have changed */
+            /* restarts, because the push may have changed the list of segments */
             link = &arrangement->of_face[face];
         } else {
             link = &arrangement->segments[*link].next;
@@ -126,7 +127,8 @@ static enum gd_status revisit(struct gd__arrangement *arrangement, uint32_t node
 
 /* --- crossings -------------------------------------------------------------------------------- */
 
-/* Returns the link to a kept segment that `segment` crosses, or NULL if there is none. */
+/* Returns the address of the number of a kept segment that `segment` crosses, or NULL if there is
+ * none. */
 static uint32_t *find_crossed(struct gd__arrangement *arrangement,
                               const struct gd__segment *segment)
 {

@@ -20,8 +20,8 @@
 struct gd__segment {
     uint32_t a, b; /* nodes */
     uint32_t face;
-    /* the next kept segment of the same face, or the next segment on the stack; GD_NONE for the
-       last */
+    /* the next kept segment of the same face, or the next waiting segment on the stack; GD_NONE for
+       the last one */
     uint32_t next;
 };
 
@@ -41,7 +41,7 @@ struct gd__arrangement { /* an all-zero struct is empty */
 };
 
 /* Computes the arrangement of a curve. Errors: GD_INVALID_ARGUMENT (consecutive points without a
- * common face), GD_RUNAWAY (work limit exceeded; a larger snap may help), GD_TOO_LARGE,
+ * common face), GD_RUNAWAY (work limit exceeded; a larger snap distance may help), GD_TOO_LARGE,
  * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. On failure nothing is allocated. */
 GD_MUST_USE enum gd_status gd__arrange(const struct gd_mesh *mesh, const struct gd_curve *curve,
                                        double snap, struct gd__budget *budget,

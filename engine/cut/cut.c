@@ -14,7 +14,7 @@ static bool is_on_boundary(const struct gd_mesh *mesh, const struct gd_point *po
                                             gd__side_is_boundary(mesh, 2 * point->element + 1));
 }
 
-/* Rejects an open curve whose ends are not on the boundary, unless it ends where it begins. */
+/* Rejects an open curve whose ends are not on the boundary, unless both ends are the same point. */
 static enum gd_status check_ends(const struct gd_mesh *mesh, const struct gd_curve *curve,
                                  struct gd_detail *detail)
 {

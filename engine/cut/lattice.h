@@ -1,9 +1,10 @@
 /* Lattice: integer places in a face, so that every orientation test is exact.
  *
  * A site holds the barycentric coordinates of corners 1 and 2 of the face (mesh/topology.h) in
- * units of 2^-50. Barycentric coordinates are an affine map of the face, which preserves the
- * orientation of three points. Points of the face's sides are exactly on the sides: on side 1 the
- * coordinates sum to GD__LATTICE. Determinants of 51-bit differences fit in 128 bits. */
+ * units of 2^-50. Barycentric coordinates are an affine map of the face, so three points have the
+ * same orientation as in the face. Points of the face's sides are exactly on the sides; for
+ * example, the coordinates of a point on side 1 sum to GD__LATTICE. Determinants of 51-bit
+ * differences fit into 128 bits. */
 #ifndef GD_CUT_LATTICE_H
 #define GD_CUT_LATTICE_H
 
@@ -23,7 +24,7 @@ static inline int64_t gd__to_lattice(double weight)
 
 static inline double gd__from_lattice(int64_t part)
 {
-    return (double)part / (double)GD__LATTICE; /* exact */
+    return (double)part / (double)GD__LATTICE; /* this division is exact */
 }
 
 /* Returns twice the signed area of a, b, c, exactly. */
@@ -32,7 +33,8 @@ static inline __int128 gd__site_area(struct gd__site a, struct gd__site b, struc
     return (__int128)(b.u - a.u) * (c.v - a.v) - (__int128)(b.v - a.v) * (c.u - a.u);
 }
 
-/* Returns the orientation of a, b, c: 1 counter-clockwise; -1 clockwise; 0 collinear. */
+/* Returns the orientation of a, b, c: 1 for counter-clockwise, -1 for clockwise, 0 for
+ * collinear. */
 static inline int gd__site_turn(struct gd__site a, struct gd__site b, struct gd__site c)
 {
     __int128 area = gd__site_area(a, b, c);

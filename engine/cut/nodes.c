@@ -45,7 +45,7 @@ double gd__nodes_reach(const struct gd__nodes *nodes, uint32_t face)
     return nodes->snap * fmax(side->length, fmax(side->left_length, side->right_length));
 }
 
-/* Returns the reach of an edge, the greater of its faces' reaches. */
+/* Returns the reach of an edge: the greater one of the reaches of its faces. */
 static double reach_of_edge(const struct gd__nodes *nodes, uint32_t edge)
 {
     double reach = 0;
@@ -85,7 +85,8 @@ static enum gd_status nodes_add(struct gd__nodes *nodes, struct gd_point point,
     return GD_OK;
 }
 
-/* Returns the nearest node of an edge within `reach` of parameter `part`, or GD_NONE. */
+/* Returns the node of an edge that is nearest to the parameter `part`, if it is within the distance
+ * `reach`. Otherwise returns GD_NONE. */
 static uint32_t find_on_edge(struct gd__nodes *nodes, uint32_t edge, int64_t part, double reach)
 {
     uint32_t found = GD_NONE;
@@ -260,7 +261,8 @@ uint32_t gd__nodes_walk(const struct gd__nodes *nodes, uint32_t face, struct gd_
 {
     const uint32_t *side = nodes->mesh->face_side[face];
     if (walk->stage < 3) return nodes->mesh->origin[side[walk->stage++]];
-    while (walk->next == 0 || walk->next == GD_NONE) { /* 0 means no new node */
+    /* 0: the list of the next side or face was not begun yet */
+    while (walk->next == 0 || walk->next == GD_NONE) {
         if (walk->stage == 7) return GD_NONE;
         uint32_t list = walk->stage++ - 3;
         walk->next = list < 3 ? nodes->of_edge[side[list] / 2] : nodes->of_face[face];

@@ -1,9 +1,9 @@
 /* Nodes: the points of a cut, which are vertices of the mesh and new points on edges and in faces.
  *
- * Numbers below the mesh's vertex_count are its vertices; larger numbers are new nodes. The reach
- * of a face is `snap` times its longest edge. A point within the reach of a vertex, a side or
- * another node is moved onto it, so that nodes on one edge or inside one face are at least the
- * reach apart. Normalised unit. */
+ * Nodes with numbers below the mesh's vertex_count are its vertices. Larger numbers are new nodes.
+ * The reach of a face is `snap` times its longest edge. A point within the reach of a vertex, a
+ * side or another node is moved onto it, so that nodes on one edge or inside one face are at least
+ * the reach apart. Normalised unit. */
 #ifndef GD_CUT_NODES_H
 #define GD_CUT_NODES_H
 
@@ -13,16 +13,17 @@
 
 struct gd__node {
     struct gd_point point; /* the node's point, on an edge or in a face */
-    /* on an edge: u is the parameter along the edge, v is 0; in a face: the place in the face */
+    /* for a node on an edge, u is the parameter along the edge, and v is 0; for a node in a face,
+       the place in the face */
     struct gd__site site;
-    uint32_t next; /* the next node of the same edge or face; GD_NONE for the last */
+    uint32_t next; /* the next node of the same edge or face; GD_NONE for the last one */
 };
 
 struct gd__nodes {
     const struct gd_mesh *mesh;
     struct gd__budget *budget;
     double snap;
-    double shift; /* largest displacement of a point */
+    double shift; /* largest distance by which a point was moved */
     struct gd__node *items;
     uint32_t count, capacity;
     uint32_t *of_edge, *of_face; /* first node of each edge and face, or GD_NONE if there is none */
@@ -46,7 +47,7 @@ GD_MUST_USE enum gd_status gd__node_of_point(struct gd__nodes *nodes, const stru
 GD_MUST_USE enum gd_status gd__node_in_face(struct gd__nodes *nodes, uint32_t face, double u,
                                             double v, uint32_t *out);
 
-/* Returns the new node with a number; NULL for a vertex. */
+/* Returns the new node with that number, or NULL if the number is that of a vertex. */
 static inline const struct gd__node *gd__node(const struct gd__nodes *nodes, uint32_t node)
 {
     return node < nodes->mesh->vertex_count ? NULL
@@ -56,8 +57,8 @@ static inline const struct gd__node *gd__node(const struct gd__nodes *nodes, uin
 /* Returns a node as a point of the mesh. */
 struct gd_point gd__node_point(const struct gd__nodes *nodes, uint32_t node);
 
-/* Returns a bit for each side of the face that contains a node of the face: two bits for a corner,
- * none inside. */
+/* Returns a mask in which a bit is set for each side of the face that contains the node: two bits
+ * for a corner, one on a side, none inside the face. */
 uint32_t gd__node_sides(const struct gd__nodes *nodes, uint32_t face, uint32_t node);
 
 /* Return the place, in a face, of a point or a node of the face. */
@@ -68,7 +69,7 @@ struct gd__site gd__node_site(const struct gd__nodes *nodes, uint32_t face, uint
 /* Returns a site's place in the frame of the face's side 0. */
 struct gd__local gd__site_local(const struct gd_mesh *mesh, uint32_t face, struct gd__site site);
 
-/* Returns the reach of a face: closer places are the same node. */
+/* Returns the reach of a face. Places that are closer than this become the same node. */
 double gd__nodes_reach(const struct gd__nodes *nodes, uint32_t face);
 
 /* Iterates over the nodes of a face: its corners, the nodes on its sides, the nodes inside.

@@ -10,11 +10,11 @@ struct cutting {
     struct gd__budget *budget;
     struct gd_detail *detail;
     struct gd_cut cut;
-    uint32_t *piece; /* per triangle */
-    /* for each corner, the number of its vertex in its piece if the corner represents the vertex,
-       else GD_NONE */
+    uint32_t *piece; /* for each triangle, its piece */
+    /* for each corner that represents a vertex, the number of this vertex in its piece; for other
+       corners GD_NONE */
     uint32_t *number;
-    uint32_t wanted; /* the only piece that is returned; GD_NONE means all */
+    uint32_t wanted; /* the only piece that is returned, or GD_NONE if all pieces are returned */
 };
 
 static void free_piece(struct gd_cut_piece *piece)
@@ -33,7 +33,7 @@ void gd_cut_free(struct gd_cut *cut)
     *cut = (struct gd_cut){0};
 }
 
-/* Allocates an array of `count` items of `size` bytes that the caller will own. */
+/* Allocates an array of `count` items of `size` bytes, which the caller of the cut will own. */
 static void *cut_pieces_take(struct cutting *cutting, size_t count, size_t size,
                              enum gd_status *status)
 {
@@ -57,7 +57,8 @@ static enum gd_status number_regions(struct cutting *cutting)
     struct gd__refined *refined = cutting->refined;
     enum gd_status status = GD_OK;
     for (uint32_t t = 0; t < refined->count; t++) {
-        uint32_t root = gd__union_find_root(refined->region, t); /* the lowest */
+        /* the lowest triangle of the region */
+        uint32_t root = gd__union_find_root(refined->region, t);
         cutting->piece[t] = root == t ? cutting->cut.piece_count++ : cutting->piece[root];
     }
     cutting->cut.separates = cutting->cut.piece_count > refined->mesh->summary.components;
@@ -73,8 +74,8 @@ static double area_of_face(const struct gd_mesh *mesh, uint32_t face)
     return side->length * side->left_length * side->left_y / 2;
 }
 
-/* Sums the area of each piece, with compensation, because the sums have as many terms as the mesh
- * has faces. */
+/* Sums the area of each piece. Uses compensated summation, because the sums have as many terms as
+ * the mesh has faces. */
 static enum gd_status cut_pieces_measure(struct cutting *cutting)
 {
     const struct gd__refined *refined = cutting->refined;
@@ -109,8 +110,8 @@ static bool holds(const struct gd__refined *refined, uint32_t triangle, struct g
            gd__site_turn(site[2], site[0], point) >= 0;
 }
 
-/* Searches the request's point in the triangles of a face, and sets *found to the piece. Returns
- * false if *found is already another piece. */
+/* Searches for the request's point in the triangles of a face, and sets *found to its piece.
+ * Returns false if *found is already another piece. */
 static bool look_in_face(const struct cutting *cutting, uint32_t face, uint32_t *found)
 {
     const struct gd__refined *refined = cutting->refined;
@@ -158,8 +159,8 @@ static void leave_wanted(struct cutting *cutting)
 
 /* --- faces of a selection --------------------------------------------------------------------- */
 
-/* Returns the piece with most of a face's area; in a tie the first. `area` is scratch with one
- * entry for each piece, all zero before and after the call. */
+/* Returns the piece that has the largest part of a face's area. In a tie, returns the first one.
+ * `area` is scratch memory with one entry for each piece, all zero before and after the call. */
 static uint32_t owner_of_face(const struct cutting *cutting, uint32_t face, double *area)
 {
     const struct gd__refined *refined = cutting->refined;
@@ -209,7 +210,8 @@ static enum gd_status select_faces(struct cutting *cutting)
 
 /* --- meshes ----------------------------------------------------------------------------------- */
 
-/* Returns the sort key of a vertex: vertices of the parent by index, then new vertices. */
+/* Returns the sort key of a vertex. Vertices of the original mesh are sorted by index; new vertices
+ * follow. */
 static uint32_t cut_pieces_key_of(const struct gd__refined *refined, uint32_t node)
 {
     const struct gd_mesh *mesh = refined->mesh;

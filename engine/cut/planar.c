@@ -7,7 +7,7 @@
 
 #define FIRST_CAPACITY 64
 #define MOST_SITES     (UINT32_C(1) << 14)
-/* Factor of the limit on flips for a segment that crosses n sides, FLIPS_A_SIDE (n + 1)^2: far more
+/* A segment that crosses n sides may cause at most FLIPS_A_SIDE (n + 1)^2 flips, which is far more
  * than needed. */
 #define FLIPS_A_SIDE 16
 /* upper bound on the triangles of a triangulation with `count` sites */
@@ -80,14 +80,14 @@ static uint32_t corner_before(uint32_t k)
     return k == 0 ? 2 : k - 1;
 }
 
-/* Returns the side of triangle `t` across which `neighbour` lies. */
+/* Returns the side of triangle `t` that is common with the triangle `neighbour`. */
 static uint32_t side_towards(const struct gd__planar *planar, uint32_t t, uint32_t neighbour)
 {
     const uint32_t *across = planar->triangles[t].across;
     return across[0] == neighbour ? 0 : across[1] == neighbour ? 1 : 2;
 }
 
-/* The triangle across a side; is_fixed: the side is a segment. */
+/* The triangle across a side. `is_fixed` is true if the side is a segment. */
 struct border {
     uint32_t across;
     bool is_fixed;
@@ -115,7 +115,7 @@ static void set(struct gd__planar *planar, uint32_t t, const uint32_t corner[3],
     }
 }
 
-/* Replaces `old` by `t` in the links of the triangle `neighbour`. */
+/* Replaces the triangle `old` by `t` among the neighbours of the triangle `neighbour`. */
 static void redirect(struct gd__planar *planar, uint32_t neighbour, uint32_t old, uint32_t t)
 {
     if (neighbour != GD_NONE)
@@ -124,7 +124,7 @@ static void redirect(struct gd__planar *planar, uint32_t neighbour, uint32_t old
 
 /* --- inserting sites -------------------------------------------------------------------------- */
 
-/* Divides triangle `t` into three at site `s`, strictly inside. */
+/* Divides triangle `t` into three at site `s`, which is strictly inside. */
 static void split_triangle(struct gd__planar *planar, uint32_t t, uint32_t s)
 {
     const struct gd__planar_triangle old = planar->triangles[t];
@@ -139,8 +139,8 @@ static void split_triangle(struct gd__planar *planar, uint32_t t, uint32_t s)
                               inner(part[corner_before(k)])});
 }
 
-/* Divides the triangles on both sides of side k of `t` (only `t` at the face's border) at site `s`,
- * strictly inside that side. */
+/* Divides the triangles on both sides of side k of `t` at site `s`, which is strictly inside this
+ * side. At the face's border, divides only `t`. */
 static void split_side(struct gd__planar *planar, uint32_t t, uint32_t k, uint32_t s)
 {
     uint32_t a = planar->triangles[t].corner[k],
@@ -257,13 +257,13 @@ static bool find_around(const struct gd__planar *planar, uint32_t a, uint32_t b,
     return false;
 }
 
-/* Returns true if the side that leaves the corner ends in b. */
+/* Returns true if the side that begins at the corner ends at b. */
 static bool leads_to(const struct gd__planar *planar, struct side at, uint32_t b)
 {
     return planar->triangles[at.triangle].corner[gd__corner_after(at.k)] == b;
 }
 
-/* Returns true if the side that ends in the corner begins in b. Needed for sides on the border of
+/* Returns true if the side that ends at the corner begins at b. Needed for sides on the border of
  * the face, which have only one triangle. */
 static bool comes_from(const struct gd__planar *planar, struct side at, uint32_t b)
 {
@@ -326,8 +326,8 @@ static bool crosses(const struct gd__planar *planar, uint32_t a, uint32_t b, uin
     return gd__sites_cross(s[a], s[b], s[c], s[d]);
 }
 
-/* Flips a side that a-b crosses, if possible, and sets *crossed to the new side. Returns true if
- * the side was flipped and the new side does not cross a-b. */
+/* Flips a side that the segment a-b crosses, if possible, and sets *crossed to the new side.
+ * Returns true if the side was flipped and a-b does not cross the new side. */
 static bool flip_away(struct gd__planar *planar, uint32_t a, uint32_t b, struct side side,
                       struct gd__planar_side *crossed)
 {
@@ -338,8 +338,8 @@ static bool flip_away(struct gd__planar *planar, uint32_t a, uint32_t b, struct 
     return !crosses(planar, a, b, crossed->a, crossed->b);
 }
 
-/* Processes the queue of sides, a ring of `count` places. Sides that still cross a-b are queued
- * again. */
+/* Processes the queue of sides, a ring buffer of `count` entries. Sides that a-b still crosses are
+ * queued again. */
 static enum gd_status flip_crossed(struct gd__planar *planar, uint32_t a, uint32_t b,
                                    uint32_t count)
 {

@@ -23,17 +23,18 @@
 
 struct gd__planar_triangle {
     uint32_t corner[3]; /* counter-clockwise */
-    /* the triangle across the side from corner k to corner k + 1, or GD_NONE if there is none */
+    /* for each side k (from corner k to corner k + 1), the triangle across this side, or GD_NONE if
+       there is none */
     uint32_t across[3];
-    bool is_fixed[3]; /* true if that side is a segment */
+    bool is_fixed[3]; /* for each side, true if it is a segment */
 };
 
-struct gd__planar { /* reused from face to face; an all-zero struct is empty */
+struct gd__planar { /* The memory is reused from face to face. An all-zero struct is empty. */
     struct gd__budget *budget;
     uint32_t site_count, site_capacity, triangle_count;
     struct gd__site *sites;
     struct gd__local *places;
-    uint32_t *triangle_at; /* for each site, a triangle with it as a corner */
+    uint32_t *triangle_at; /* for each site, a triangle of which it is a corner */
     struct gd__planar_triangle *triangles;
     struct gd__planar_side *queue; /* queue of sides to be flipped */
 };
@@ -53,8 +54,8 @@ GD_MUST_USE enum gd_status gd__planar_begin(struct gd__planar *planar, uint32_t 
  * another site), GD_CANCELLED, GD_DEADLINE. Quadratic time. */
 GD_MUST_USE enum gd_status gd__planar_triangulate(struct gd__planar *planar);
 
-/* Makes the segment between two sites a side of triangles. Error: GD_RUNAWAY (the segment passes a
- * site, or crosses another segment). */
+/* Changes the triangulation such that the segment between two sites is a side of triangles. Error:
+ * GD_RUNAWAY (the segment passes a site, or crosses another segment). */
 GD_MUST_USE enum gd_status gd__planar_fix(struct gd__planar *planar, uint32_t a, uint32_t b);
 
 /* Flips sides that are not segments until the triangulation is Delaunay. */

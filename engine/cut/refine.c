@@ -16,8 +16,8 @@ struct refining {
     struct gd__refined refined;
     struct gd__planar planar;
     uint32_t *site_node; /* for each site of the current face, its node */
-    /* for each piece, 3 * triangle + side, of the first triangle at the piece, or GD_NONE if there
-       is none yet */
+    /* for each piece of an edge, 3 * triangle + side of the first triangle that has this piece as a
+       side, or GD_NONE if there is none yet */
     uint32_t *first_side;
     uint32_t site_capacity;
 };
@@ -64,7 +64,7 @@ static void cut_refine_join(struct gd__refined *refined, uint32_t t, uint32_t k,
     gd__union_find_join(refined->vertex, 3 * t + gd__corner_after(k), 3 * other + m);
 }
 
-/* Joins triangle t, whose side k is `piece`, to the other triangle at that piece, unless the seam
+/* Side k of triangle t is `piece`. Joins t to the other triangle at this piece, unless the seam
  * separates them. */
 static void join_at_piece(struct refining *refining, uint32_t t, uint32_t k, uint32_t piece)
 {
@@ -186,7 +186,7 @@ static enum gd_status cut_refine_triangulate(struct refining *refining, uint32_t
 {
     enum gd_status status = gather_sites(refining, face);
     if (!status) status = gd__planar_triangulate(&refining->planar);
-    /* after this improvement most segments are already sides */
+    /* after this, most segments are already sides */
     if (!status) gd__planar_improve(&refining->planar);
     if (!status) status = draw_segments(refining, face);
     if (!status) gd__planar_improve(&refining->planar);

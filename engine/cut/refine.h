@@ -1,7 +1,7 @@
-/* Refined mesh: the mesh with the curve's segments as sides of triangles. Crossed faces are divided
- * into several triangles. Triangles are ordered by the input index of their faces, and are joined
- * except across the seam. Joined triangles form a region; joined corners are one vertex of the
- * region. */
+/* Refined mesh: the mesh, with the faces that the curve crosses divided such that the curve's
+ * segments are sides of triangles. Triangles are ordered by the input index of their faces.
+ * Neighbouring triangles are joined, except across the seam. Joined triangles form a region. Joined
+ * corners are one vertex of the region. */
 #ifndef GD_CUT_REFINE_H
 #define GD_CUT_REFINE_H
 
@@ -13,15 +13,15 @@ struct gd__refined { /* an all-zero struct is empty */
     uint32_t count; /* triangles */
     uint32_t (*node)[3];
     uint32_t *face;    /* for each triangle, the mesh's face that contains it */
-    uint32_t *region;  /* union-find: joined triangles */
-    uint32_t *vertex;  /* union-find: joined corners, 3 a triangle */
+    uint32_t *region;  /* union-find forest of joined triangles */
+    uint32_t *vertex;  /* union-find forest of joined corners, three for each triangle */
     uint32_t *of_face; /* for each face, its first triangle */
     uint32_t *in_face; /* for each face, the number of its triangles */
 };
 
-/* Refines the mesh. Errors: GD_RUNAWAY (a segment can't be inserted, or a triangle is too flat for
- * a mesh; a larger snap may help), GD_INTERNAL (triangles that do not tile their face),
- * GD_TOO_LARGE, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. On failure nothing is
+/* Refines the mesh. Errors: GD_RUNAWAY (a segment cannot be inserted, or a triangle is too flat for
+ * a mesh; a larger snap distance may help), GD_INTERNAL (the triangles of a face do not cover it
+ * exactly), GD_TOO_LARGE, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. On failure nothing is
  * allocated, and `*flat_face` is the face that failed. Linear in the mesh; quadratic in the nodes
  * of a face. */
 GD_MUST_USE enum gd_status gd__refine(const struct gd__arrangement *arrangement,

@@ -40,8 +40,8 @@ static void number_pieces(struct gd__seam *seam)
     seam->first[nodes->mesh->edge_count] = nodes->mesh->edge_count + used;
 }
 
-/* Returns the ordinal of a node on an edge: 0 for the origin of side 0, then 1, 2, … along the
- * edge. */
+/* Returns the position of a node among the nodes of an edge: 0 for the origin of side 0, then 1, 2,
+ * … along the edge. */
 static uint32_t place_on_edge(const struct gd__seam *seam, uint32_t edge, uint32_t node)
 {
     const struct gd_mesh *mesh = seam->nodes->mesh;
@@ -81,9 +81,9 @@ static void seam_mark(struct gd__seam *seam, const struct gd__arrangement *arran
 
 /* --- dead ends -------------------------------------------------------------------------------- */
 
-/* The parts of the seam that meet at a node: `degree` is the number of these parts. `parts` is the
- * exclusive or of their numbers. If one part is left, `parts` is the number of that part. Pieces
- * are numbered first, then segments. */
+/* The parts of the seam that meet at a node. `degree` is the number of these parts, and `parts` is
+ * the exclusive or of their numbers. So if only one part is left, `parts` is its number. Pieces of
+ * edges are numbered first, then segments. */
 struct meeting {
     uint32_t degree, parts;
 };
@@ -99,7 +99,7 @@ struct pruning {
     uint32_t pieces;
 };
 
-/* Returns the address of a part's mark. */
+/* Returns the address of the flag that is true if a part belongs to the seam. */
 static uint8_t *flag_of(const struct pruning *pruning, uint32_t part)
 {
     return part < pruning->pieces ? &pruning->seam->is_cut[part]
@@ -147,7 +147,7 @@ static void change(struct pruning *pruning, uint32_t part, uint32_t by, uint32_t
     }
 }
 
-/* Removes the dead end at a node, then further dead ends that the removal creates. */
+/* Removes the dead end at a node, and then all dead ends that arise from this removal. */
 static void take_off(struct pruning *pruning, uint32_t node)
 {
     while (pruning->meetings[node].degree == 1) {

@@ -1,5 +1,5 @@
-/* Seam: the line along which the mesh is cut open. Nodes divide edges into pieces; the seam
- * consists of pieces and of segments of the arrangement.
+/* Seam: the line along which the mesh is cut open. Nodes divide edges into pieces. The seam
+ * consists of pieces of edges and of segments of the arrangement.
  *
  * Edge e has the pieces first[e] to first[e + 1] - 1, in order from the origin of its side 0; an
  * edge without nodes is one piece. */
@@ -10,7 +10,7 @@
 
 struct gd__seam { /* an all-zero struct is empty */
     const struct gd__nodes *nodes;
-    uint32_t *first; /* per edge, and one more entry */
+    uint32_t *first; /* for each edge, its first piece; one more entry at the end */
     /* nodes on edges, by edge, in order of their parameters; the nodes of edge e begin at first[e]
        - e */
     uint32_t *edge_node;
@@ -22,13 +22,14 @@ struct gd__seam { /* an all-zero struct is empty */
 };
 
 /* Computes the seam of an arrangement, without parts on the boundary and without dead ends. A dead
- * end is a part with an end that is not on the boundary and belongs to no other part. Linear in the
- * mesh. Errors: GD_NO_MEMORY, GD_BUDGET. On failure nothing is allocated. */
+ * end is a part of the seam that has a free end: an end that is not on the boundary and belongs to
+ * no other part. Linear in the mesh. Errors: GD_NO_MEMORY, GD_BUDGET. On failure nothing is
+ * allocated. */
 GD_MUST_USE enum gd_status gd__seam_make(const struct gd__arrangement *arrangement,
                                          struct gd__seam *out);
 void gd__seam_free(struct gd__seam *seam); /* an all-zero struct is allowed */
 
-/* Returns the piece of an edge between two consecutive nodes. */
+/* Returns the piece of an edge between two consecutive nodes a and b. */
 uint32_t gd__seam_piece(const struct gd__seam *seam, uint32_t edge, uint32_t a, uint32_t b);
 
 #endif
