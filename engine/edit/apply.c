@@ -1,4 +1,4 @@
-/* Applies several edits, each to the result of the one before. */
+/* Applies several edits. Each edit works on the result of the previous one. */
 #include <stdlib.h>
 
 #include "base/pace.h"
@@ -8,9 +8,10 @@
 
 struct chain {
     const struct gd_mesh *original;
-    /* the mesh to edit, as a counted reference; before the first rebuild, the original mesh */
+    /* the mesh for the next step, as a counted reference; before the first rebuild, the original
+       mesh */
     const struct gd_mesh *mesh;
-    struct gd_edited made; /* result of the steps so far; empty before the first step */
+    struct gd_edited made; /* result of the steps so far, empty before the first step */
     struct gd__share share;
 };
 
@@ -33,7 +34,8 @@ static enum gd_status run_step(struct chain *chain, const struct gd_edit_step *s
     return gd_fail(detail, GD_INVALID_ARGUMENT, "there is no edit of kind %d", (int)step->kind);
 }
 
-/* Converts the origin of a vertex from the edited mesh to the original mesh. */
+/* Converts an origin: computes, for a place on the mesh of the current step, the place on the
+ * original mesh. */
 static enum gd_status origin_before(const struct chain *chain, struct gd_vec3 place,
                                     struct gd_origin *origin)
 {
@@ -62,7 +64,7 @@ static enum gd_status trace_origins(struct chain *chain, struct gd_edited *made)
     return status ? status : pace.status;
 }
 
-/* Builds the mesh to edit from the result of the steps so far. */
+/* Builds the mesh for the next step from the result of the steps so far. */
 static enum gd_status rebuild(struct chain *chain, struct gd_detail *detail)
 {
     struct gd_control control = gd__share_control(&chain->share, chain->made.bytes);

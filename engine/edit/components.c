@@ -6,7 +6,7 @@
 
 struct ranked {
     double area;
-    uint32_t component, first_face; /* first_face: lowest index of the component's faces */
+    uint32_t component, first_face; /* `first_face` is the lowest index of the component's faces */
 };
 
 static int by_area(const void *a, const void *b)
@@ -53,7 +53,7 @@ static bool *choose(const struct gd_mesh *mesh, const struct gd_components_optio
     return is_kept;
 }
 
-/* Numbers the kept vertices in the order of their indices; returns their count. */
+/* Numbers the kept vertices in the order of their indices. Returns their number. */
 static uint32_t number_vertices(const struct gd_mesh *mesh, const bool *is_kept, uint32_t *number)
 {
     uint32_t count = 0;

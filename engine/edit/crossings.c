@@ -15,11 +15,11 @@ struct triangle {
 };
 
 struct crossing_search {
-    struct gd__bvh_search search; /* its keys are 0 */
+    struct gd__bvh_search search; /* the key of each face that may cross is 0 */
     const struct gd_mesh *mesh;
     uint32_t *crossed;
     uint32_t face;
-    struct triangle triangle; /* of `face` */
+    struct triangle triangle; /* the corners of `face` */
     struct gd__box box;
 };
 
@@ -105,7 +105,7 @@ static void visit_face(struct gd__bvh_search *search, uint32_t face)
 {
     struct crossing_search *own = (struct crossing_search *)search;
     const struct gd_mesh *mesh = own->mesh;
-    if (face <= own->face) return; /* each pair once */
+    if (face <= own->face) return; /* so each pair of faces is tested once */
     const struct triangle other = triangle_of(mesh, face);
     if (!cross(&own->triangle, &other)) return;
     uint32_t a = mesh->index_of_face[own->face], b = mesh->index_of_face[face];

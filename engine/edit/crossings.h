@@ -1,5 +1,5 @@
-/* Crossings: finds the faces of a surface that pass through other faces, or are folded back on a
- * neighbour. */
+/* Crossings: finds the faces of a surface that pass through other faces, or that are folded back
+ * onto a neighbour. */
 #ifndef GD_EDIT_CROSSINGS_H
 #define GD_EDIT_CROSSINGS_H
 

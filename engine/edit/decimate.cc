@@ -20,8 +20,9 @@ typedef OpenMesh::FaceHandle Face;
 typedef OpenMesh::VertexHandle Vertex;
 typedef OpenMesh::Geometry::Quadricd Quadric;
 
-/* A mesh that counts the collapses that the decimater considers. The decimater calls is_collapse_ok
- * for each of them. It calls the module only for the collapses that is_collapse_ok allows. */
+/* A mesh that counts the collapses that the decimater considers. It counts them in is_collapse_ok,
+ * because the decimater calls this function for each collapse, but calls the module only for
+ * collapses that is_collapse_ok allows. */
 struct WatchedMesh : EditMesh {
     Watch *watch = nullptr;
 
@@ -34,7 +35,7 @@ struct WatchedMesh : EditMesh {
 
 /* --- quadrics --------------------------------------------------------------------------------- */
 
-/* Returns the quadric of a plane: the squared distance from it, times a weight. */
+/* Returns the quadric of a plane: the squared distance from the plane, times a weight. */
 static Quadric plane_quadric(const Vec3 &unit_normal, const Vec3 &p, double weight)
 {
     Quadric plane(unit_normal[0], unit_normal[1], unit_normal[2], -(p | unit_normal));
@@ -42,7 +43,7 @@ static Quadric plane_quadric(const Vec3 &unit_normal, const Vec3 &p, double weig
     return plane;
 }
 
-/* Returns the sum of the weights of a quadric's planes. This is the trace of the quadric's 3x3
+/* Returns the sum of the weights of the planes in a quadric. It is the trace of the quadric's 3x3
  * part, because each plane's normal has length 1. */
 static double weight_of(const Quadric &q)
 {
@@ -61,8 +62,8 @@ static Quadric face_quadric(const EditMesh &mesh, Face face)
     return length > 0 ? plane_quadric(normal / length, p[0], 0.5 * length) : Quadric(0.0);
 }
 
-/* Returns the quadric of the plane through a boundary edge and perpendicular to its face. It keeps
- * the boundary in place. */
+/* Returns the quadric of the plane that contains a boundary edge and is perpendicular to the face
+ * of this edge. It keeps the boundary in place. */
 static Quadric wall_quadric(const EditMesh &mesh, OpenMesh::HalfedgeHandle boundary)
 {
     const auto inside = mesh.opposite_halfedge_handle(boundary);
@@ -140,8 +141,8 @@ static void add_walls(const EditMesh &mesh, Watch &watch, VertexTable &table)
     }
 }
 
-/* Locks vertices of high valence and their neighbours. Each collapse beside such a vertex would
- * visit all its neighbours, so the total time would be quadratic. */
+/* Locks vertices of high valence and their neighbours. Each collapse next to such a vertex would
+ * visit all its neighbours, and the total time would be quadratic. */
 static void lock_hubs(EditMesh &mesh, Watch &watch, VertexTable &table)
 {
     for (auto vertex : mesh.vertices()) {
@@ -176,7 +177,8 @@ template <class MeshT> class QuadricsT : public OpenMesh::Decimater::ModBaseT<Me
     {
     }
 
-    double most_error = INFINITY; /* mean squared distance from the planes, in the unit box */
+    /* largest mean squared distance from the planes, in the unit box */
+    double most_error = INFINITY;
 
     void initialize() override
     {
@@ -231,8 +233,8 @@ static void lock_boundary(EditMesh &edited, Watch &watch)
     }
 }
 
-/* Expected steps of the watch per collapse. About 6 neighbours of the vertex are evaluated again,
- * and each has about 6 neighbours. */
+/* Expected number of steps of the watch for each collapse. A collapse evaluates about 6 neighbours
+ * of the vertex again, and each of them has about 6 neighbours. */
 static const double STEPS_A_COLLAPSE = 40;
 
 static enum gd_status decimate(const struct gd_mesh *mesh,

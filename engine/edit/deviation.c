@@ -1,5 +1,6 @@
-/* Measures the distance between two surfaces from samples. Only the largest distance is needed, so
- * a search ends as soon as it finds a face within the largest distance so far. */
+/* Measures the distance between two surfaces from samples. Only the largest distance is needed. So
+ * the search for the nearest face of a sample ends as soon as it finds a face that is nearer than
+ * the largest distance so far. */
 #include "base/pace.h"
 #include "base/share.h"
 #include "edit/edited.h"
@@ -12,9 +13,9 @@
 struct farthest {
     struct gd__bvh_search search; /* a search whose keys are squared distances */
     const struct gd_mesh *mesh;
-    struct gd_vec3 q; /* all lengths here are in the mesh's normalised unit */
+    struct gd_vec3 q; /* the sample; all lengths here are in the mesh's normalised unit */
     double best;      /* squared distance of q from the surface */
-    double largest;   /* squared distance of the farthest q so far */
+    double largest;   /* squared distance of the farthest sample so far */
 };
 
 static double outside(double x, double min, double max)
@@ -60,7 +61,8 @@ static double farthest_distance(const struct farthest *farthest)
     return sqrt(farthest->largest) * farthest->mesh->unit;
 }
 
-/* Returns the largest distance from the vertices of `from` to `to`, at least `largest`. */
+/* Returns the largest distance of the vertices of `from` from `to`, or `largest` if that is
+ * larger. */
 static double measure_vertices(const struct gd_mesh *from, const struct gd_mesh *to, double largest,
                                struct gd__pace *pace)
 {
@@ -71,8 +73,8 @@ static double measure_vertices(const struct gd_mesh *from, const struct gd_mesh 
     return farthest_distance(&farthest);
 }
 
-/* Returns the largest distance from the middles of faces and edges of `from` to `to`, at least
- * `largest`. */
+/* Returns the largest distance of the middles of faces and edges of `from` from `to`, or `largest`
+ * if that is larger. */
 static double measure_middles(const struct gd_mesh *from, const struct gd_mesh *to, double largest,
                               struct gd__pace *pace)
 {

@@ -54,7 +54,7 @@ class Watch
     {
     }
 
-    /* Counts a step of some microseconds at most. */
+    /* Counts a step, which takes some microseconds at most. */
     void step()
     {
         if (++done_ % STEPS_A_CHECK == 0) check();
@@ -72,13 +72,13 @@ class Watch
     static const uint64_t STEPS_A_CHECK = 512;
 
     const struct gd_control *control_;
-    double steps_; /* expected number of steps */
+    double steps_; /* expected number of steps of the whole work */
     uint64_t done_ = 0;
 };
 
 /* Calls `grow(i)` for i = 1 to SLICES, and checks the control after each call. `grow(i)` extends
- * new arrays to the fraction i / SLICES of their final size. The system allocates memory pages at
- * the first write, which takes milliseconds for each slice. */
+ * new arrays to the fraction i / SLICES of their final size. This takes milliseconds for each
+ * slice, because the system allocates memory pages at the first write. */
 const size_t SLICES = 32;
 template <class Grow> void grow_in_slices(const Watch &watch, const Grow &grow)
 {
@@ -92,7 +92,7 @@ template <class Grow> void grow_in_slices(const Watch &watch, const Grow &grow)
 void copy_mesh(const struct gd_mesh *mesh, Watch &watch, EditMesh &out);
 
 /* Writes the triangles of an edited mesh that are not deleted, in the order of their indices. All
- * its vertices must be vertices of the input. */
+ * vertices of the edited mesh must be vertices of the input. */
 enum gd_status keep_rest(const struct gd_mesh *mesh, const EditMesh &edited, Watch &watch,
                          struct gd_edited *out);
 

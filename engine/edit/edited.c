@@ -13,7 +13,7 @@ struct gd__edit_counts gd__edit_counts(const struct gd_mesh *mesh)
                                     mesh->summary.index_count, mesh->summary.face_index_count};
 }
 
-/* Returns the side without a face that leaves a boundary vertex. */
+/* Returns the boundary side that begins at a boundary vertex. */
 static uint32_t leaving_the_boundary(const struct gd_mesh *mesh, uint32_t vertex)
 {
     return gd__side_previous(mesh, mesh->fan[mesh->fan_first[vertex + 1] - 1].side) ^ 1;

@@ -1,5 +1,5 @@
-/* Functions that the edits share: reading a mesh for an edit, and the arrays of a result. C++
- * cannot include mesh/topology.h, so it reads a mesh by these functions. */
+/* Functions that all edits use: they read a mesh and write the arrays of a result. C++ code cannot
+ * include mesh/topology.h, so it reads a mesh by these functions. */
 #ifndef GD_EDIT_EDITED_H
 #define GD_EDIT_EDITED_H
 
@@ -19,26 +19,28 @@ struct gd__edit_counts {
 
 struct gd__edit_side {
     uint32_t destination; /* a vertex */
-    uint32_t next;        /* next side around the face; for a boundary side, around the hole */
-    uint32_t face;        /* GD_NONE at the boundary */
+    /* next side around the face; for a boundary side, the next side around the hole */
+    uint32_t next;
+    uint32_t face; /* GD_NONE at the boundary */
 };
 
 struct gd__edit_counts gd__edit_counts(const struct gd_mesh *mesh);
 struct gd__edit_side gd__edit_side(const struct gd_mesh *mesh, uint32_t side);
 
-/* Returns a side that leaves the vertex; at the boundary the side without a face. */
+/* Returns a side that begins at the vertex. For a boundary vertex, this is the boundary side. */
 uint32_t gd__edit_leaving(const struct gd_mesh *mesh, uint32_t vertex);
 
 /* Returns the side from corner 0 of a face. */
 uint32_t gd__edit_first_side(const struct gd_mesh *mesh, uint32_t face);
 
-/* Returns the vertex or face of an index of the input. GD_NONE means that the index has no vertex
- * or face, or the vertex was merged into that of another index. */
+/* Returns the vertex or face of an index of the input. Returns GD_NONE if the index has no vertex
+ * or face, or if its vertex was merged into the vertex of another index. */
 uint32_t gd__edit_vertex(const struct gd_mesh *mesh, uint32_t index);
 uint32_t gd__edit_face(const struct gd_mesh *mesh, uint32_t index);
 
-/* Returns the position of a vertex in the unit box: the surface's bounding box with its least
- * corner at the origin, scaled so that its longest side has length 1. */
+/* Returns the position of a vertex in the unit box. This is the surface's bounding box, moved so
+ * that its corner with the smallest coordinates is the origin, and scaled so that its longest side
+ * has length 1. */
 struct gd_vec3 gd__edit_place(const struct gd_mesh *mesh, uint32_t vertex);
 
 /* Returns the length of the unit box's sides in the mesh's unit. */
@@ -55,16 +57,16 @@ void gd__edited_keep(struct gd_edited *edited, uint32_t at, const struct gd_mesh
                      uint32_t vertex);
 
 /* Writes all vertices and faces of the mesh to the beginning of the arrays, in the order of their
- * indices. Sets `number` to the number in the result of each internal vertex. The pace may stop
- * before the end. */
+ * indices. Sets number[v] to the number of the internal vertex v in the result. The pace may stop
+ * the function early. */
 struct gd__pace;
 void gd__edited_copy(struct gd_edited *edited, const struct gd_mesh *mesh, uint32_t *number,
                      struct gd__pace *pace);
 
-/* Returns a point of the mesh as an origin. */
+/* Converts a point of the mesh to an origin. */
 struct gd_origin gd__origin_of(const struct gd_mesh *mesh, const struct gd_point *point);
 
-/* Computes one level of subdivision and ignores options->levels. */
+/* Computes one level of subdivision. Ignores options->levels. */
 GD_MUST_USE enum gd_status gd__subdivide_once(const struct gd_mesh *mesh,
                                               const struct gd_subdivide_options *options,
                                               const struct gd_control *control,

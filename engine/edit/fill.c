@@ -11,16 +11,16 @@
 struct filling {
     const struct gd_mesh *mesh;
     const struct gd_fill_options *options;
-    /* progress: two parts for each loop (its triangulation, its refinement), and one for the
-     * result */
+    /* progress: two parts for each loop (triangulation and refinement), and one for the result */
     struct gd__share share;
     struct gd_control part;
-    struct gd__pace pace; /* of `part` */
+    struct gd__pace pace; /* pace of the current part */
     struct gd__hole *holes;
     uint32_t count;
 };
 
-/* Returns true if the loop is the border of a single face. A patch would duplicate that face. */
+/* Returns true if the loop is the border of a single face. A patch would be a duplicate of that
+ * face. */
 static bool is_lone_face(const struct gd_mesh *mesh, uint32_t loop)
 {
     uint32_t side = mesh->boundary_side[loop];
@@ -29,8 +29,8 @@ static bool is_lone_face(const struct gd_mesh *mesh, uint32_t loop)
            mesh->side_face[side ^ 1] == mesh->side_face[gd__edit_side(mesh, side).next ^ 1];
 }
 
-/* Sums over the patches. `vertices` counts all vertices of the patches, `loops` those that are
- * vertices of the mesh. */
+/* Sums over the patches. `vertices` counts all vertices of the patches, and `loops` those of them
+ * that are vertices of the mesh. */
 struct patch_sizes {
     uint32_t vertices, loops, faces;
 };
@@ -98,7 +98,7 @@ static void remove_crossing(struct filling *filling, const uint32_t *crossed,
     filling->count = kept;
 }
 
-/* Compares the patches with each other. */
+/* Tests whether patches cross each other. */
 static enum gd_status check_patches(struct filling *filling, struct gd_detail *refusal)
 {
     struct patch_sizes all = sizes_of(filling);
@@ -118,8 +118,8 @@ static enum gd_status check_patches(struct filling *filling, struct gd_detail *r
     return status;
 }
 
-/* Fills all holes that the options select. GD_NOT_TRIANGULABLE if no hole was filled and at least
- * one cannot be triangulated. */
+/* Fills all holes that the options select. Returns GD_NOT_TRIANGULABLE if no hole was filled and at
+ * least one cannot be triangulated. */
 static enum gd_status fill_all(struct filling *filling, struct gd_detail *detail)
 {
     const struct gd_mesh *mesh = filling->mesh;

@@ -55,8 +55,8 @@ static bool is_pinched(const struct gd__hole *hole)
     return false;
 }
 
-/* Returns true if an edge of the mesh joins two vertices of the loop. The patch must not contain a
- * second edge between these vertices. */
+/* Returns true if an edge of the mesh already joins two vertices of the loop. The patch must not
+ * contain a second edge between them. */
 static bool is_taken(const void *user, uint32_t i, uint32_t j)
 {
     const struct gd__hole *hole = user;
@@ -66,15 +66,15 @@ static bool is_taken(const void *user, uint32_t i, uint32_t j)
 
 /* --- least area ------------------------------------------------------------------------------- */
 
-/* Solutions for all parts of the loop: count x count items. The part from i to j is closed by the
- * chord between them. */
+/* The best triangulations for all parts of the loop, count x count items. A part of the loop from
+ * vertex i to vertex j, closed by the chord i-j, is a polygon. */
 struct spans {
     struct gd__hole *hole;
     double *cost; /* least area, or INFINITY if there is none */
     uint16_t *apex;
 };
 
-/* Returns the area of a triangle; INFINITY if the triangle is too flat. */
+/* Returns the area of a triangle, or INFINITY if the triangle is too flat. */
 static double area(const struct gd__hole *hole, uint32_t i, uint32_t k, uint32_t j)
 {
     const struct gd_vec3 *place = hole->mesh->position;
@@ -170,7 +170,7 @@ enum gd_status gd__hole_triangulate(struct gd__hole *hole, struct gd__pace *pace
 
 /* --- the patch -------------------------------------------------------------------------------- */
 
-/* Sets `*out` if faces of the patch cross, or are too flat for a mesh. */
+/* Sets `*out` to true if faces of the patch cross, or are too flat for a mesh. */
 static enum gd_status is_bad(const struct gd__patch *patch, const struct gd_control *control,
                              bool *out)
 {
@@ -194,7 +194,8 @@ enum gd_status gd__hole_finish(struct gd__hole *hole, const struct gd_control *c
     struct gd__patch *patch = &hole->patch;
     enum gd_status status = GD_OK;
     bool bad = true;
-    /* smoothing and flips may turn faces over where the loop is not convex */
+    /* several forms are tried, because smoothing and flips may turn faces over where the loop is
+       not convex */
     for (int form = SMOOTH; !status && bad && form <= ROUGH; form++) {
         const struct gd__patch_options options = {form == SMOOTH, is_taken, hole};
         patch_free(patch);

@@ -7,10 +7,10 @@
 
 struct gd__hole {
     const struct gd_mesh *mesh;
-    uint32_t *vertex; /* internal numbers, in the order of the sides without a face */
+    uint32_t *vertex; /* internal numbers of the vertices, in the order of the boundary sides */
     uint32_t count;
     struct gd__patch rough; /* the triangulation of least area */
-    struct gd__patch patch; /* its final form */
+    struct gd__patch patch; /* the final patch */
 };
 
 /* Reads a boundary loop. Errors: GD_NO_MEMORY. */
@@ -25,13 +25,13 @@ GD_MUST_USE enum gd_status gd__hole_triangulate(struct gd__hole *hole, struct gd
 
 /* Computes the final patch from the rough one. Tries three forms: refined and smoothed, only
  * refined, and unchanged. Keeps the first form whose faces do not cross. Errors:
- * GD_NOT_TRIANGULABLE (in every form faces cross), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_NOT_TRIANGULABLE (faces cross in all three forms), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
  * GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__hole_finish(struct gd__hole *hole, const struct gd_control *control,
                                            struct gd_detail *detail);
 
-/* Returns GD_NOT_TRIANGULABLE and writes "a hole of 7 edges <reason>" and its vertices to the
- * detail. */
+/* Returns GD_NOT_TRIANGULABLE. Writes the text "a hole of 7 edges <reason>" and the vertices of the
+ * hole to the detail. */
 enum gd_status gd__hole_refuse(const struct gd__hole *hole, struct gd_detail *detail,
                                const char *reason);
 

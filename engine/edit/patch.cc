@@ -18,10 +18,12 @@ namespace gd_edit
 typedef OpenMesh::Vec3d Vec3;
 typedef OpenMesh::VertexHandle Vertex;
 
-static const int ROUNDS = 20;                     /* limit on rounds of dividing and flipping */
-static const int STEPS = 100;                     /* number of smoothing steps */
-static const uint32_t GROWTH = 40;                /* limit on new vertices per vertex of the loop */
-static const double DENSITY = 1.4142135623730951; /* Liepa's alpha: the root of 2 */
+/* largest number of rounds of dividing and flipping */
+static const int ROUNDS = 20;
+static const int STEPS = 100; /* number of smoothing steps */
+/* largest number of new vertices for each vertex of the loop */
+static const uint32_t GROWTH = 40;
+static const double DENSITY = 1.4142135623730951; /* Liepa's alpha: the square root of 2 */
 
 struct Refinement {
     EditMesh mesh;
@@ -100,8 +102,8 @@ static double angle_at(const Vec3 &apex, const Vec3 &a, const Vec3 &b)
     return std::atan2(((a - apex) % (b - apex)).norm(), (a - apex) | (b - apex));
 }
 
-/* Returns true if the angles opposite to the edge sum to more than pi, and the flipped edge does
- * not exist yet. */
+/* Returns true if the two angles opposite to the edge sum to more than pi, and the edge after the
+ * flip does not exist yet. */
 static bool is_better_flipped(const Refinement &work, OpenMesh::EdgeHandle edge)
 {
     const EditMesh &mesh = work.mesh;
@@ -116,7 +118,7 @@ static bool is_better_flipped(const Refinement &work, OpenMesh::EdgeHandle edge)
     if (l < work.loop_count && r < work.loop_count &&
         work.options.is_taken(work.options.user, l, r))
         return false;
-    /* both new faces keep the orientation of the old ones */
+    /* the edge is flipped only if both new faces have the orientation of the old ones */
     const Vec3 normal = ((b - a) % (p - a)) + ((q - a) % (b - a));
     if ((((q - a) % (p - a)) | normal) <= 0 || (((p - b) % (q - b)) | normal) <= 0) return false;
     return angle_at(p, a, b) + angle_at(q, a, b) > std::acos(-1.0) * (1 + GD_TOL_EDIT_FLIP);
@@ -138,7 +140,8 @@ static bool flip(Refinement &work)
     return is_flipped;
 }
 
-/* Smooths in the order of the vertices, using positions that are already new (Gauss-Seidel). */
+/* Smooths the vertices in their order. For neighbours that were already moved, uses the new
+ * positions (Gauss-Seidel). */
 static void smooth(Refinement &work)
 {
     EditMesh &mesh = work.mesh;

@@ -9,9 +9,10 @@ extern "C" {
 #endif
 
 struct gd__patch {
-    double (*positions)[3]; /* in the unit box; the vertices of the loop come first and are fixed */
+    /* in the unit box; the vertices of the loop come first and are not moved */
+    double (*positions)[3];
     uint32_t position_count, loop_count;
-    uint32_t *corners; /* three for each triangle */
+    uint32_t *corners; /* vertex numbers, three for each triangle */
     uint32_t face_count;
 };
 

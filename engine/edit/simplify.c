@@ -8,7 +8,7 @@
 
 #define ATTEMPTS 7
 
-/* The decimater's bound is the requested bound times this factor, which leaves a margin. */
+/* The decimater gets the requested bound times this factor. The rest is a margin. */
 #define MARGIN 0.7
 
 static enum gd_status check_options(const struct gd_simplify_options *options,

@@ -1,13 +1,14 @@
 /* Smoothing: Jacobi steps towards the mean of the neighbours (the uniform Laplacian). A step uses
- * the component along the tangent plane, the one along the normal, or both. OpenMesh's smoother is
- * not used because it cannot be stopped. */
+ * the component in the tangent plane, the component along the normal, or both. OpenMesh's smoother
+ * is not used because it cannot be stopped. */
 #include <stdlib.h>
 
 #include "base/pace.h"
 #include "edit/edited.h"
 #include "mesh/topology.h"
 
-#define STEP 0.5 /* fraction of the way to the mean that a step moves; a full step may oscillate */
+/* A step moves a vertex by this fraction of the distance to the mean. Full steps may oscillate. */
+#define STEP 0.5
 
 struct smoothing {
     const struct gd_mesh *mesh;
@@ -76,7 +77,7 @@ static void iterate(struct smoothing *smoothing)
 static enum gd_status write(struct smoothing *smoothing, struct gd_edited *out)
 {
     const struct gd_mesh *mesh = smoothing->mesh;
-    /* scratch; its content is no longer needed */
+    /* this memory is no longer needed, so it is reused for the numbers */
     uint32_t *number = (uint32_t *)(void *)smoothing->next;
     struct gd_edited made;
     enum gd_status status = gd__edited_allocate(&made, mesh->vertex_count, mesh->face_count);

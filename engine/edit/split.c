@@ -14,8 +14,9 @@ struct part {
 struct split {
     const struct gd_edited *edited;
     struct gd__pace pace;
-    uint32_t *root;   /* for each vertex, the lowest vertex of its component */
-    uint32_t *number; /* for each root, its part; later, per vertex: its number in its part */
+    uint32_t *root; /* for each vertex, the lowest vertex of its component */
+    /* first, for each root, its part; later, for each vertex, its number in its part */
+    uint32_t *number;
     struct part *parts;
     uint32_t count;
 };
@@ -49,7 +50,7 @@ static void find_roots(struct split *split)
     }
 }
 
-/* Fills `parts` in order of decreasing area. Sets the `number` of each root to its part. */
+/* Fills `parts` in order of decreasing area. Sets `number` of each root to its part. */
 static void rank_parts(struct split *split)
 {
     const struct gd_polygons *polygons = &split->edited->polygons;
@@ -81,7 +82,7 @@ static enum gd_status allocate_parts(const struct split *split, struct gd_edited
         const struct part *part = &split->parts[out->count];
         struct gd_edited *item = &out->items[out->count];
         status = gd__edited_allocate(item, part->vertices, part->faces);
-        /* reset to zero, because fill_parts counts them */
+        /* reset to zero, because fill_parts counts them again */
         item->polygons.position_count = item->polygons.polygon_count = 0;
         item->largest_distance = split->edited->largest_distance;
         out->bytes += item->bytes;
@@ -89,8 +90,8 @@ static enum gd_status allocate_parts(const struct split *split, struct gd_edited
     return status;
 }
 
-/* Fills the parts; faces and vertices keep their order. A root is numbered before the other
- * vertices of its component, because it is the lowest. */
+/* Fills the parts. Faces and vertices keep their order. A root gets its number in the part before
+ * the other vertices of its component, because it is the lowest one. */
 static void fill_parts(struct split *split, struct gd_edited_parts *out)
 {
     const struct gd_polygons *polygons = &split->edited->polygons;

@@ -10,7 +10,8 @@ struct level {
     const struct gd_mesh *mesh;
     enum gd_subdivide_scheme scheme;
     struct gd__pace pace;
-    /* for each internal vertex, its number in the result, which is in the order of indices */
+    /* for each internal vertex, its number in the result; these numbers are in the order of the
+       input indices */
     uint32_t *number;
     struct gd_edited made;
 };
@@ -48,7 +49,8 @@ static struct gd_vec3 moved_inside(const struct level *level, uint32_t vertex)
                        gd_vec3_scale(sum, weight / (end - first)));
 }
 
-/* Moves a boundary vertex by the rule for curves. The sqrt(3) scheme leaves it unchanged. */
+/* Moves a boundary vertex by the subdivision rule for curves. The sqrt(3) scheme does not move
+ * it. */
 static struct gd_vec3 moved_on_boundary(const struct level *level, uint32_t vertex)
 {
     const struct gd_mesh *mesh = level->mesh;
@@ -124,7 +126,8 @@ static uint32_t *face_put(uint32_t *corner, uint32_t a, uint32_t b, uint32_t c)
     return corner + 3;
 }
 
-/* Divides each face into three at its corners and one in the middle, in the order of indices. */
+/* Divides each face, in the order of indices, into three faces at its corners and one in the
+ * middle. */
 static void divide_in_four(struct level *level)
 {
     const struct gd_mesh *mesh = level->mesh;
