@@ -95,7 +95,7 @@ enum gd_status gd__route_split(const struct gd_mesh *mesh, struct gd__route *rou
         run = gd__route_run(mesh, &route->points[i], &route->points[i + 1]);
         if (left <= run) break;
     }
-    if (i + 1 == route->count) return GD_OK; /* the length is beyond the end because of rounding */
+    if (i + 1 == route->count) return GD_OK; /* due to rounding, the length can be beyond the end */
     struct gd_point point = gd__route_between(mesh, &route->points[i], &route->points[i + 1],
                                               left > 0 ? left / run : 0);
     bool is_first = gd_point_equal(&point, &route->points[i]);

@@ -14,7 +14,7 @@ struct gd__route {
     double length;
 };
 
-void gd__route_free(struct gd__route *route); /* leaves an empty route */
+void gd__route_free(struct gd__route *route); /* frees the points; the route is empty afterwards */
 
 /* Empties the route and keeps its memory. */
 static inline void gd__route_clear(struct gd__route *route)
@@ -34,8 +34,8 @@ GD_MUST_USE enum gd_status gd__route_join(struct gd__route *route, const struct 
                                           const struct gd_control *control);
 
 /* Returns true if a comes after b in a fixed order of all points. A line between two points is
- * always computed from the first to the second in this order. So the line from a to b and the line
- * from b to a have the same points. */
+ * always computed from the point that comes first in this order. So the line from a to b has the
+ * same points as the line from b to a. */
 bool gd__point_follows(const struct gd_point *a, const struct gd_point *b);
 
 void gd__points_reverse(struct gd_point *points, uint32_t count);
@@ -48,15 +48,15 @@ double gd__route_run(const struct gd_mesh *mesh, const struct gd_point *a,
 struct gd_point gd__route_between(const struct gd_mesh *mesh, const struct gd_point *a,
                                   const struct gd_point *b, double part);
 
-/* Inserts the point at the fraction `part`, in [0, 1], of the route's length, and returns its
- * number in *out. In a route of one point, returns the number of that point. Errors: GD_NO_MEMORY,
+/* Inserts a point at the fraction `part`, in [0, 1], of the route's length, and sets *out to its
+ * index. In a route of one point, *out is the index of this point. Errors: GD_NO_MEMORY,
  * GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__route_split(const struct gd_mesh *mesh, struct gd__route *route,
                                            double part, const struct gd_control *control,
                                            uint32_t *out);
 
-/* Returns the end of the straight piece of a geodesic that begins at point i < count - 1: its next
- * vertex, or its last point. */
+/* Returns the index of the end of the straight piece of a geodesic that begins at point i < count -
+ * 1. This end is the next vertex on the geodesic, or the last point if there is none. */
 static inline uint32_t gd__route_bend(const struct gd_point *points, uint32_t count, uint32_t i)
 {
     do i++;
@@ -66,9 +66,9 @@ static inline uint32_t gd__route_bend(const struct gd_point *points, uint32_t co
 
 /* Compute the directions of the ends of a geodesic of at least two points, as turns (turn.h).
  * gd__route_ahead computes the turn in which the geodesic leaves its first point. gd__route_back
- * computes the turn at its last point that leads back along the geodesic. For precision, both
- * unfold the geodesic from that end to its nearest vertex. GD_INTERNAL: two points have no common
- * face. */
+ * computes the turn at its last point that leads back along the geodesic. To be precise, both
+ * unfold the geodesic from this end to the nearest vertex on it. GD_INTERNAL: two points have no
+ * common face. */
 GD_MUST_USE enum gd_status gd__route_ahead(const struct gd_mesh *mesh,
                                            const struct gd_point *points, uint32_t count,
                                            double *out);

@@ -9,7 +9,8 @@
 #include "line/turn.h"
 #include "line/unfold.h"
 
-/* Portals unfolded between two checks of the control: well under a millisecond. */
+/* Number of portals that are unfolded between two checks of the control. This takes well under a
+ * millisecond. */
 enum { LOOK = 16384 };
 
 void gd__straightener_free(struct gd__straightener *straightener)
@@ -35,8 +36,8 @@ struct gd__bend gd__bend_of_turns(const struct gd_mesh *mesh, const struct gd_po
 
 /* --- corners ---------------------------------------------------------------------------------- */
 
-/* The consecutive portals of a corner that have the corner's vertex as their left end, or as their
- * right end. */
+/* The row of a corner: consecutive portals that all have the corner's vertex as their left end, or
+ * all as their right end. */
 struct row {
     uint32_t vertex, first, last;
 };
@@ -61,7 +62,7 @@ static struct row straighten_row_of(const struct gd_mesh *mesh, const struct gd_
     return row;
 }
 
-/* Returns the portal before a portal. For the first portal, returns a side of the strip's first
+/* Returns the portal before a portal. Before the first portal, this is side 0 of the strip's first
  * face. */
 static struct gd__portal gate_before(const struct gd_mesh *mesh, const struct gd__strip *strip,
                                      uint32_t portal)
@@ -81,13 +82,14 @@ static double turn_of(const struct gd_mesh *mesh, uint32_t vertex, const struct 
                             way.y * u.x - way.x * u.y);
 }
 
-/* The state of a corner. TAUT: the line cannot be shortened there. LOOSE: it is shorter on the
- * other side of the vertex. WOUND: the strip winds around the vertex more than once. */
+/* The state of a corner. TAUT: the line cannot be shortened there. LOOSE: the line would be shorter
+ * on the other side of the vertex. WOUND: the strip winds around the vertex more than once. */
 enum hold { HOLD_TAUT, HOLD_LOOSE, HOLD_WOUND };
 
-/* Returns the state of a corner. `from` and `to` are the corner's neighbours on the line. The true
- * angle in the strip is at least pi, but it is computed only up to whole turns around the vertex.
- * If the computed angle is less than pi, the strip contains a whole turn. */
+/* Returns the state of a corner. `from` and `to` are the corner's neighbours on the line. The angle
+ * of the line at the vertex, measured within the strip, is at least pi. But it is computed only up
+ * to whole turns around the vertex. So if the computed angle is less than pi, the strip contains a
+ * whole turn. */
 static enum hold hold_of(const struct gd_mesh *mesh, const struct gd__strip *strip,
                          const struct gd__corner *corner, const struct row *row,
                          struct gd__local from, struct gd__local to)
@@ -104,7 +106,7 @@ static enum hold hold_of(const struct gd_mesh *mesh, const struct gd__strip *str
            other = corner->is_left ? bend.left : bend.right;
     uint32_t faces = mesh->fan_first[row->vertex + 1] - mesh->fan_first[row->vertex],
              portals = row->last - row->first + 1;
-    /* a whole turn has one portal fewer if the line goes along an edge and back */
+    /* a whole turn has one portal less if the line runs along an edge to the vertex and back */
     bool is_whole_turn = inside < M_PI - GD_TOL_BEND && portals + 1 >= faces;
     if (is_whole_turn && portals >= faces) return HOLD_WOUND;
     return is_whole_turn || other < M_PI - GD_TOL_BEND ? HOLD_LOOSE : HOLD_TAUT;
@@ -121,8 +123,8 @@ static enum gd_status copy_gates(struct gd__straightener *s, uint32_t begin, uin
     return status;
 }
 
-/* Moves the strip to the other side of a corner. A wound strip stays on its side but winds once
- * less. */
+/* Moves the strip to the other side of a corner. A strip that winds around the vertex stays on its
+ * side, but one turn is removed. */
 static enum gd_status go_round(struct gd__straightener *s, const struct gd__corner *corner,
                                const struct row *row, enum hold hold)
 {
@@ -132,8 +134,8 @@ static enum gd_status go_round(struct gd__straightener *s, const struct gd__corn
     return gd__strip_wind(s->mesh, &s->other, row->vertex, from, to, counter_clockwise, s->control);
 }
 
-/* Moves the strip to the other side of its loose corners, and writes the new strip to s->other. Of
- * overlapping rows only the first is moved in this round. */
+/* Moves the strip to the other side of its loose corners, and writes the new strip to s->other. If
+ * the rows of two corners overlap, only the first corner is moved in this round. */
 static enum gd_status straighten_relax(struct gd__straightener *s, uint32_t corner_count,
                                        bool *has_moved)
 {
@@ -205,8 +207,8 @@ static enum gd_status straighten_check_control(struct gd__straightener *s)
     return gd_control_check(s->control, s->progress);
 }
 
-/* Repeats rounds as long as a round shortens the line by more than `least_gain` of its length. *out
- * is the final length. */
+/* Repeats rounds as long as a round shortens the line by more than `least_gain` times its length.
+ * Sets *out to the final length. */
 static enum gd_status tighten(struct gd__straightener *s, double least_gain, uint32_t *corner_count,
                               double *out)
 {

@@ -28,7 +28,8 @@ enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side,
 
 /* --- around vertices -------------------------------------------------------------------------- */
 
-/* Returns the number of a face in the fan of one of its corners, from the fan's first entry. */
+/* Returns the position of a face in the fan of one of its corners, counted from the fan's first
+ * entry. */
 static uint32_t entry_of(const struct gd_mesh *mesh, uint32_t vertex, uint32_t face)
 {
     int k = 0;
@@ -36,8 +37,8 @@ static uint32_t entry_of(const struct gd_mesh *mesh, uint32_t vertex, uint32_t f
     return mesh->side_fan[mesh->face_side[face][k]] - mesh->fan_first[vertex];
 }
 
-/* Returns the number of faces to walk around the vertex; larger than the fan if the boundary is in
- * between. */
+/* Returns the number of faces from one face to another around the vertex. If the boundary is in
+ * between, the result is larger than the number of faces in the fan. */
 static uint32_t faces_between(const struct gd_mesh *mesh, uint32_t vertex, uint32_t from,
                               uint32_t to, bool counter_clockwise)
 {
@@ -77,7 +78,8 @@ static enum gd_status pass_vertex(const struct gd_mesh *mesh, struct gd__strip *
 
 /* --- along a route ---------------------------------------------------------------------------- */
 
-/* Appends the portals from a face to the next face through a common point. */
+/* Appends the portals that lead from a face to the next face of the route around their common
+ * point. */
 static enum gd_status strip_pass(const struct gd_mesh *mesh, struct gd__strip *strip,
                                  const struct gd_point *point, uint32_t face, uint32_t next,
                                  const struct gd_control *control)
@@ -131,7 +133,8 @@ static void strip_trim(const struct gd_mesh *mesh, struct gd__strip *strip)
         strip->portals[i].side = strip->portals[i + skip].side;
 }
 
-/* Rotates `by` from the frame whose x axis is `along` into the plane. */
+/* Converts the vector `by` to the coordinates of the plane. `by` is given in a frame whose x axis
+ * is the unit vector `along`. */
 static struct gd__local turned(struct gd__local along, struct gd__local by)
 {
     return (struct gd__local){along.x * by.x - along.y * by.y, along.x * by.y + along.y * by.x};
@@ -143,9 +146,9 @@ static struct gd__local placed(struct gd__local origin, struct gd__local along, 
     return (struct gd__local){origin.x + way.x, origin.y + way.y};
 }
 
-/* Places the next portal beside the last one. It is the left or the right edge of the face behind
- * the last portal, or the last portal in the opposite direction. Returns false for any other
- * side. */
+/* Computes the position of the next portal from the last one. The next portal must be the left or
+ * the right edge of the face behind the last portal, or the last portal in the opposite direction.
+ * Returns false for any other side. */
 static bool lay_gate(const struct gd_mesh *mesh, const struct gd__portal *last,
                      struct gd__portal *out)
 {
@@ -213,8 +216,8 @@ static bool is_same(struct gd__local a, struct gd__local b)
     return a.x == b.x && a.y == b.y;
 }
 
-/* The funnel: all points that are visible from the apex lie between two ends of portals, `left` and
- * `right`. */
+/* The funnel: the points that are visible from the apex through all portals so far. It lies between
+ * the rays from the apex through `left` and `right`, which are ends of portals. */
 struct funnel {
     struct gd__local apex, left, right;
     uint32_t left_gate, right_gate;

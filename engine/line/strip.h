@@ -1,5 +1,5 @@
-/* Strip: the sequence of faces that a line between two points crosses, stored as the crossed sides;
- * and the shortest line in it. Normalised unit. */
+/* Strip: the sequence of faces that a line between two points crosses, stored as the crossed sides.
+ * Also computes the shortest line in a strip. Normalised unit. */
 #ifndef GD_LINE_STRIP_H
 #define GD_LINE_STRIP_H
 
@@ -20,8 +20,8 @@ struct gd__strip {
     uint32_t face;              /* the first face, placed in the frame of its side 0 */
     struct gd__portal *portals; /* owned */
     uint32_t count, capacity;
-    /* Determines what happens if the strip crosses its last portal in the opposite direction. True
-       if a new portal is added. False if the last portal is removed. */
+    /* Determines what happens if the strip crosses its last portal in the opposite direction. If
+       true, a new portal is added. If false, the last portal is removed. */
     bool keeps_ways_back;
     struct gd__local begin, end; /* the line's ends in the plane */
 };
@@ -33,22 +33,23 @@ void gd__strip_free(struct gd__strip *strip);
 GD_MUST_USE enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side,
                                           const struct gd_control *control);
 
-/* Appends the portals around a vertex from one of its faces to another, counter-clockwise (the
- * vertex is on their left) or clockwise. GD_INTERNAL: the mesh's boundary is between the two faces.
- * O(portals). */
+/* Appends the portals around a vertex from one of its faces to another. Counter-clockwise, the
+ * vertex is the left end of these portals; clockwise, it is their right end. GD_INTERNAL: the
+ * mesh's boundary is between the two faces. O(portals). */
 GD_MUST_USE enum gd_status gd__strip_wind(const struct gd_mesh *mesh, struct gd__strip *strip,
                                           uint32_t vertex, uint32_t from_face, uint32_t to_face,
                                           bool counter_clockwise, const struct gd_control *control);
 
-/* Builds the strip along a route of at least two points. Around a vertex of the route it takes the
- * side with fewer faces. Reuses the strip's memory. GD_INTERNAL: two consecutive points have no
- * common face. O(points + faces around the vertices). */
+/* Builds the strip along a route of at least two points. At a vertex of the route, the strip passes
+ * the vertex on the side with fewer faces. Reuses the strip's memory. GD_INTERNAL: two consecutive
+ * points have no common face. O(points + faces around the vertices). */
 GD_MUST_USE enum gd_status gd__strip_along(const struct gd_mesh *mesh,
                                            const struct gd__route *route, struct gd__strip *strip,
                                            const struct gd_control *control);
 
-/* Removes portals at both ends of the strip: at the beginning those that contain `from`, at the end
- * those that contain `to`. Then unfolds the strip. GD_INTERNAL: not a valid strip. O(count). */
+/* Removes unnecessary portals at both ends of the strip: those at the beginning that contain the
+ * line's first point, and those at the end that contain its last point. Then unfolds the strip.
+ * GD_INTERNAL: not a valid strip. O(count). */
 GD_MUST_USE enum gd_status gd__strip_lay(const struct gd_mesh *mesh, struct gd__strip *strip);
 
 /* gd__strip_entrance returns side 0 of the strip's first face as a portal; the plane has the frame
@@ -67,8 +68,8 @@ struct gd__corner {
 };
 
 /* Writes the corners in order to an array of strip->count items and returns their number. Uses the
- * funnel algorithm of Lee and Preparata. It takes O(count), except that after each corner it
- * restarts at the corner's portal and scans the following portals again. The strip must be
+ * funnel algorithm of Lee and Preparata. The time is O(count), plus the time for portals that are
+ * scanned again, because the algorithm restarts at the portal of each corner. The strip must be
  * unfolded. */
 uint32_t gd__strip_corners(const struct gd__strip *strip, struct gd__corner *out);
 

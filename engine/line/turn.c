@@ -54,7 +54,7 @@ static double zero_of(const struct gd_mesh *mesh, const struct gd_point *point)
     struct gd_direction zero;
     uint32_t side = 2 * point->element;
     switch (point->kind) {
-    /* the direction of angle 0 runs along a side of the face into which it leads */
+    /* the direction of angle 0 leads along a side of its face */
     case GD_POINT_VERTEX:
         if (gd_direction_at_angle(mesh, point, 0, &zero, NULL)) return 0;
         side = side_from(mesh, mesh->face_of_index[zero.face.index], point->element);
@@ -146,7 +146,7 @@ static struct gd__ray ray_from_vertex(const struct gd_mesh *mesh, uint32_t verte
 }
 
 /* Returns the ray of a turn at a point of an edge. Due to rounding, a turn along a boundary edge
- * may lie in the half without a face. In this case the turn is mirrored into the other half. */
+ * may lie in the half plane without a face. It is then mirrored into the other half plane. */
 static struct gd__ray ray_from_edge(const struct gd_mesh *mesh, const struct gd_point *point,
                                     double turn)
 {

@@ -14,7 +14,8 @@
 #include "gd/direction.h"
 #include "mesh/topology.h"
 
-/* Returns the total angle around a point: 2 pi; at a vertex the sum of its corners. */
+/* Returns the total angle around a point: 2 pi, or at a vertex the sum of the angles of its
+ * faces. */
 double gd__turn_total(const struct gd_mesh *mesh, const struct gd_point *point);
 
 /* Returns true for an interior point: not on a boundary edge and not a boundary vertex. */
@@ -36,21 +37,22 @@ double gd__turn_to_angle(const struct gd_mesh *mesh, const struct gd_point *poin
 struct gd_direction gd__turn_direction(const struct gd_mesh *mesh, const struct gd_point *point,
                                        double turn);
 
-/* Returns the turn of the direction (x, y) in the frame of `side`, whose closed face contains the
- * point. A direction out of the face is unfolded into the neighbouring faces. Of the turns that
- * differ by multiples of 2 pi, returns the one nearest to the face. */
+/* Returns the turn of the direction (x, y) in the frame of `side`. The point must lie in the side's
+ * face or on its border. If the direction leads out of the face, it is unfolded into the
+ * neighbouring faces. Among the turns that differ by multiples of 2 pi, returns the one nearest to
+ * the face. */
 double gd__turn_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t side,
                         double x, double y);
 
-/* Adds the multiple of 2 pi that brings the angle nearest to [0, extent]. */
+/* Adds a multiple of 2 pi to the angle, such that the result is nearest to [0, extent]. */
 static inline double gd__turn_nearest(double angle, double extent)
 {
     return remainder(angle - 0.5 * extent, 2 * M_PI) + 0.5 * extent;
 }
 
 /* A ray from (x, y) in the frame of `side`, in the face into which a turn leads. If the ray begins
- * at a vertex, the side leaves this vertex. If it begins on an edge, the side is one of the two
- * sides of this edge. */
+ * at a vertex, the side begins at this vertex. If the ray begins on an edge, the side is one of the
+ * edge's two sides. */
 struct gd__ray {
     uint32_t side;
     double x, y, dx, dy;

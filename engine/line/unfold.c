@@ -27,7 +27,7 @@ static bool contains(const struct gd_mesh *mesh, uint32_t face, const struct gd_
     return weight[0] + weight[1] + weight[2] > 0;
 }
 
-/* Returns a face at `a` that contains `b`, or GD_NONE. */
+/* Returns a face that contains both `a` and `b`, or GD_NONE. */
 static uint32_t face_beside(const struct gd_mesh *mesh, const struct gd_point *a,
                             const struct gd_point *b)
 {
@@ -86,8 +86,8 @@ static bool lay_next(const struct gd_mesh *mesh, struct laid *laid, uint32_t edg
     return laid->side >> 1 == edge && mesh->side_face[laid->side] != GD_NONE;
 }
 
-/* Measures the line between two points of one face. Differences of weights, in the frame of the
- * corner nearest to the first point, keep the direction of a short line precise. */
+/* Measures the line between two points of one face. Computes it from differences of weights, in the
+ * frame of the corner nearest to the first point. So the direction of a short line is precise. */
 static void measure_in_face(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *a,
                             const struct gd_point *b, struct gd__straight *out)
 {
@@ -111,7 +111,8 @@ enum gd_status gd__unfold(const struct gd_mesh *mesh, const struct gd_point *poi
                           struct gd__straight *out)
 {
     const struct gd_point *a = &points[0], *b = &points[count - 1];
-    uint32_t begin = 1, end = count - 1; /* the crossed edges, except those that contain an end */
+    /* points [begin, end) are on crossed edges that contain neither end of the line */
+    uint32_t begin = 1, end = count - 1;
     while (begin < end && is_on(mesh, points[begin].element, a)) begin++;
     while (begin < end && is_on(mesh, points[end - 1].element, b)) end--;
     uint32_t face = face_beside(mesh, a, begin < end ? &points[begin] : b);

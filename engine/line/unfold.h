@@ -7,8 +7,8 @@
 
 /* The straight line from the first to the last of several points. Normalised unit. */
 struct gd__straight {
-    /* 0 means that the distance of the points is below rounding; `ahead` and `back` are then an
-     * arbitrary direction and its opposite */
+    /* If the distance of the points is below rounding, the length is 0, and `ahead` and `back` are
+     * an arbitrary direction and its opposite. */
     double length;
     /* `ahead`: turn at the first point towards the last; `back`: turn at the last point towards the
      * first */
