@@ -1,5 +1,5 @@
-/* Finds polygons with the same set of vertices. Buckets them by their lowest vertex and sorts each
- * bucket by the other vertices. */
+/* Finds polygons with the same set of vertices. Groups polygons by their lowest vertex, and sorts
+ * each group by the other vertices. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,7 +9,8 @@
 
 struct comparison {
     const struct gd_polygons *polygons;
-    const uint32_t *sorted; /* the corners of the polygons, each polygon's in ascending order */
+    /* the corners of the polygons; those of each polygon are in ascending order */
+    const uint32_t *sorted;
     struct gd__pace *pace;
 };
 
@@ -24,7 +25,7 @@ static uint32_t duplicates_size_of(const struct gd_polygons *polygons, uint32_t 
     return gd_polygons_first(polygons, polygon + 1) - gd_polygons_first(polygons, polygon);
 }
 
-/* Compares two polygons by size, then by vertices. */
+/* Compares two polygons by their number of corners, then by their vertices. */
 static int compare_sets(const struct comparison *comparison, uint32_t i, uint32_t j)
 {
     uint32_t m = duplicates_size_of(comparison->polygons, i),
@@ -53,8 +54,8 @@ static void sort_corners(const struct gd_polygons *polygons, struct gd__pace *pa
               sizeof *sorted, compare_indices);
 }
 
-/* Fills `order` with the polygons that have corners, by lowest vertex. The polygons of vertex v are
- * order[start[v+1] .. start[v+2]). */
+/* Fills `order` with the polygons that have corners, ordered by their lowest vertex. The polygons
+ * of vertex v are order[start[v+1] .. start[v+2]). */
 static void bucket(const struct comparison *comparison, uint32_t *start, uint32_t *order)
 {
     const struct gd_polygons *polygons = comparison->polygons;

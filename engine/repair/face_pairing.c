@@ -31,8 +31,8 @@ static void face_pairing_measure(struct gd__edge_face *edge_face, uint32_t count
     }
 }
 
-/* Compares by angle. Among faces at the same angle, backward faces come first. So a backward and a
- * forward face at the same angle become a pair, with no space between them. */
+/* Compares faces by angle. Among faces at the same angle, backward faces come first. So a backward
+ * and a forward face at the same angle become a pair with no space between them. */
 static int face_pairing_compare(const void *x, const void *y)
 {
     const struct gd__edge_face *a = x, *b = y;
@@ -47,7 +47,7 @@ static void face_pairing_join(struct gd__edge_face *a, struct gd__edge_face *b)
     b->partner = a->side;
 }
 
-/* Matches the faces in two rounds, so that faces still waiting at the end match faces at the
+/* Visits the faces twice, so that faces that still wait at the end are matched with faces at the
  * beginning. */
 static void match(struct gd__edge_face *edge_face, uint32_t count)
 {

@@ -15,14 +15,14 @@ struct gd__edge_face {
     struct gd_vec3 across; /* vector from the edge into the face, of any length except zero */
     /* output: angle about the edge, counter-clockwise as seen against the edge's direction */
     double angle;
-    /* output: the side of the face to which this face stays joined; GD_NONE means that the face
-       gets a border */
+    /* output: the side of the face to which this face stays joined, or GD_NONE if the face gets a
+       border */
     uint32_t partner;
     uint32_t below; /* scratch */
 };
 
-/* Sorts the faces around the edge of direction `along` and pairs them, see face_pairing.c. O(n log
- * n). */
+/* Sorts the faces around an edge and pairs them (see face_pairing.c). `along` is the direction of
+ * the edge. O(n log n). */
 void gd__edge_faces_pair(struct gd__edge_face *edge_face, uint32_t count, struct gd_vec3 along);
 
 #endif

@@ -39,12 +39,16 @@ struct flat_face {
 
 struct flattening {
     struct gd__construction *work;
-    /* for each side, the side of the neighbour; GD_NONE if there is not exactly one */
+    /* for each side, the side of the neighbouring face, or GD_NONE if there is not exactly one
+       neighbour */
     uint32_t *neighbour;
-    struct flat_face *heap; /* top: the face with the longest edge; in a tie the lowest face */
+    /* a heap; its top is the face with the longest edge, or in a tie the face with the lowest
+       number */
+    struct flat_face *heap;
     uint32_t count, capacity;
     uint64_t flips_left;
-    double needle; /* largest ratio of shortest to longest edge at which the ends are merged */
+    /* the ends of a shortest edge are merged if its ratio to the longest edge is below this */
+    double needle;
 };
 
 /* --- measuring -------------------------------------------------------------------------------- */
@@ -156,7 +160,8 @@ static void drop(struct gd__construction *work, uint32_t face)
     work->triangle[face][0] = GD_NONE;
 }
 
-/* Renames the corners of all faces. Drops the faces that lose a corner. */
+/* Replaces the corners of all faces by their representatives. Removes the faces that lose a
+ * corner. */
 static void rename_corners(struct gd__construction *work)
 {
     GD__PACED (&work->pace, f, work->mesh->face_count) {
@@ -193,12 +198,13 @@ static void drop_cap(struct flattening *flattening, uint32_t face)
     drop(flattening->work, face);
 }
 
-/* Two faces at an edge u-v that is to be flipped. b is the apex of the cap. The other face runs u,
- * v, d. */
+/* The two faces at an edge u-v that will be flipped. b is the apex of the cap. The other face has
+ * the corners u, v, d in this order. */
 struct quadrilateral {
-    uint32_t cap, other;                         /* faces */
-    uint32_t u, v, b, d;                         /* vertices */
-    uint32_t over_ub, over_bv, over_vd, over_du; /* the sides across the outer edges */
+    uint32_t cap, other; /* faces */
+    uint32_t u, v, b, d; /* vertices */
+    /* the sides of the neighbouring faces at the four outer edges */
+    uint32_t over_ub, over_bv, over_vd, over_du;
 };
 
 static struct quadrilateral around(const struct flattening *flattening, uint32_t side)
@@ -213,7 +219,8 @@ static struct quadrilateral around(const struct flattening *flattening, uint32_t
     q.v = other[gd__next_corner(j)];
     q.d = other[gd__previous_corner(j)];
     q.b = cap[gd__previous_corner(k)];
-    /* true if both faces run u-v, because the file orients them differently */
+    /* true if both faces run along the edge from u to v, because the file orients them
+       differently */
     bool alike = cap[k] == q.u;
     q.over_ub = cap_neighbour[alike ? gd__previous_corner(k) : gd__next_corner(k)];
     q.over_bv = cap_neighbour[alike ? gd__next_corner(k) : gd__previous_corner(k)];
@@ -222,7 +229,8 @@ static struct quadrilateral around(const struct flattening *flattening, uint32_t
     return q;
 }
 
-/* Removes two faces that have the same corners, and links the faces across their outer edges. */
+/* Removes two faces that have the same corners, and makes the faces across their outer edges
+ * neighbours. */
 static void close_pocket(struct flattening *flattening, const struct quadrilateral *q)
 {
     link(flattening->neighbour, q->over_ub, q->over_du);
@@ -231,8 +239,8 @@ static void close_pocket(struct flattening *flattening, const struct quadrilater
     drop(flattening->work, q->other);
 }
 
-/* Flips the edge. The cap's index gets the new face at u, the other index the new face at v. Both
- * have the orientation that `other` had. */
+/* Flips the edge. The cap is replaced by the new face at u, the other face by the new face at v.
+ * Both have the orientation that `other` had. */
 static void flatten_flip(struct flattening *flattening, const struct quadrilateral *q)
 {
     struct gd__construction *work = flattening->work;
@@ -252,7 +260,7 @@ static enum gd_status mend_cap(struct flattening *flattening, uint32_t face)
 {
     double unit;
     struct gd__triangle t = flatten_measure(flattening->work, face, &unit);
-    /* the face was repaired by an earlier flip, or the next round handles it */
+    /* an earlier flip has repaired the face, or the next round handles it */
     if (!is_flat(&t) || is_needle(flattening, &t)) return GD_OK;
     uint32_t side = 3 * face + t.longest;
     note_shift(flattening->work, t.double_area / t.length[t.longest] * unit);

@@ -1,5 +1,5 @@
-/* Merges vertices that the weld joins, and vertices that an edge of length zero joins. Renames each
- * corner to the vertex that represents it, and simplifies the polygons. */
+/* Merges the vertices that the weld joins, and the ends of edges of length zero. Replaces each
+ * corner by the vertex that represents it, and simplifies the polygons. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +34,7 @@ static void join_zero_edges(struct gd__construction *work)
 }
 
 /* Simplifies a ring of corners in place: removes repeated corners, and paths that go along an edge
- * and back. Returns the number of corners left; 0 if fewer than three are left. */
+ * and back. Returns the number of corners that are left, or 0 if it is less than three. */
 static uint32_t simplify(uint32_t *ring, uint32_t count)
 {
     uint32_t begin = 0, end = 0;
@@ -45,7 +45,7 @@ static uint32_t simplify(uint32_t *ring, uint32_t count)
         else
             ring[end++] = ring[i];
     }
-    /* the ring is closed, so the last corners are compared with the first ones too */
+    /* the ring is closed, so the last corners are also compared with the first ones */
     while (end - begin > 1) {
         if (ring[end - 1] == ring[begin] || ring[end - 2] == ring[begin])
             end--;
@@ -59,7 +59,7 @@ static uint32_t simplify(uint32_t *ring, uint32_t count)
     return end - begin;
 }
 
-/* Reduces a ring that repeats itself several times to one repetition. */
+/* If a ring consists of several repetitions of the same corners, reduces it to one repetition. */
 static uint32_t unwind(const uint32_t *ring, uint32_t count)
 {
     for (uint32_t period = 3; 2 * period <= count; period++) {
@@ -71,7 +71,7 @@ static uint32_t unwind(const uint32_t *ring, uint32_t count)
     return count;
 }
 
-/* Records the indices of triangles that a polygon has lost with its corners. */
+/* Records the indices of the triangles that a polygon has lost because it lost corners. */
 static void note_lost_triangles(struct gd__construction *work, uint32_t index, uint32_t before,
                                 uint32_t after)
 {
@@ -112,8 +112,8 @@ static uint32_t first_triangle(const struct gd__construction *work, uint32_t pol
     return gd_polygons_first(work->input, polygon) - 2 * polygon;
 }
 
-/* Removes the corners of duplicate polygons from work->merged. A polygon is a duplicate if it is
- * not its own original. */
+/* Removes the corners of duplicate polygons from work->merged. Polygon i is a duplicate if
+ * original[i] is another polygon. */
 static bool take_out(struct gd__construction *work, const uint32_t *original)
 {
     struct gd_polygons *merged = &work->merged;

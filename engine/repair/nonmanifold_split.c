@@ -28,9 +28,10 @@ struct splitting {
     uint32_t *neighbour;
     /* for each face, true if its orientation is opposite to that of most faces around it */
     uint8_t *flipped;
-    /* the faces of one edge; as many as the edge with the most faces has */
+    /* the faces of one edge; the array has room for the edge with the most faces */
     struct gd__edge_face *edge_face;
-    /* per corner, numbered as the sides are: a lower corner of the same fan, see union_find.h */
+    /* for each corner (numbered like the sides), a lower corner of the same fan; a union-find
+       forest (union_find.h) */
     uint32_t *fan;
     uint32_t *copy_of; /* for each copy, the input vertex that it copies */
     uint32_t copy_count, capacity;
@@ -65,7 +66,7 @@ static enum gd_status make_table(const struct splitting *s, struct gd__edge_tabl
                                  s->input_vertices + s->copy_count, &s->work->pace, table);
 }
 
-/* Joins the faces of edges with two faces. Returns the largest number of faces of an edge. */
+/* Joins the faces of edges with two faces. Returns the largest number of faces that an edge has. */
 static uint32_t join_pairs(struct splitting *s, const struct gd__edge_table *table)
 {
     uint32_t most = 0;
@@ -83,9 +84,9 @@ static uint32_t join_pairs(struct splitting *s, const struct gd__edge_table *tab
 
 /* --- faces that stay joined at an edge of more than two faces --------------------------------- */
 
-/* Orients the faces before they are paired, because files with non-manifold edges are often
- * oriented at random. The orientation becomes consistent within each set of faces that edges of two
- * faces connect. */
+/* Orients the faces before they are paired, because in files with non-manifold edges the faces
+ * often have random orientations. Afterwards, the orientation is consistent in each set of faces
+ * that are connected by edges of two faces. */
 static enum gd_status orient(struct splitting *s)
 {
     uint32_t *component = gd__large_array(s->face_count, sizeof *component);
@@ -154,8 +155,8 @@ static void join_fans(struct splitting *s)
     }
 }
 
-/* Assigns vertices to fans. Visits the corners in the order of faces: the first corner of a fan
- * decides, the other corners follow it. */
+/* Assigns vertices to fans. Visits the corners in the order of the faces. The first corner of a fan
+ * gets the vertex or a copy of it, and the other corners of the fan get the same. */
 static enum gd_status separate_fans(struct splitting *s)
 {
     size_t vertices = (size_t)s->input_vertices + s->copy_count;
@@ -186,8 +187,9 @@ static uint32_t *find_corner(const struct splitting *s, uint32_t side, uint32_t 
                                  : NULL;
 }
 
-/* Gives each pair of faces at the edge, except the pair of the first edge_face, its own copy of the
- * edge's lower end. A face that already got a copy at another edge is no longer at this edge. */
+/* Gives each pair of faces at the edge its own copy of the edge's lower end, except the pair of the
+ * first edge_face. A face that already got a copy because of another edge no longer belongs to this
+ * edge. */
 static enum gd_status detach_edge_faces(struct splitting *s, uint32_t low, uint32_t count)
 {
     enum gd_status status = GD_OK;
@@ -206,8 +208,8 @@ static enum gd_status detach_edge_faces(struct splitting *s, uint32_t low, uint3
     return status;
 }
 
-/* Detaches faces at the edges that still have more than two faces. `*any` is true if there were
- * any. */
+/* Detaches faces at the edges that still have more than two faces. Sets `*any` to true if there are
+ * such edges. */
 static enum gd_status detach_crowded(struct splitting *s, bool *any)
 {
     struct gd__edge_table table;
@@ -224,7 +226,8 @@ static enum gd_status detach_crowded(struct splitting *s, bool *any)
     return status;
 }
 
-/* Joins faces, pairs them at crowded edges (the first time only), and separates the fans. */
+/* Joins faces, pairs them at edges of more than two faces (only in the first call), and separates
+ * the fans. */
 static enum gd_status separate(struct splitting *s, bool *crowded)
 {
     struct gd__edge_table table;

@@ -7,7 +7,7 @@
 
 #include "base/large.h"
 
-/* Stores the index of each face, because faces are about to be removed. */
+/* Stores the input index of each face, because the next steps remove faces. */
 static enum gd_status name_faces(struct gd__construction *work)
 {
     if (work->face_index) return GD_OK;
@@ -54,8 +54,9 @@ static enum gd_status drop_duplicates(struct gd__construction *work)
     return status ? status : gd__compact_triangles(work);
 }
 
-/* Checks the budget for the copies. The bound of gd_mesh_build_cost leaves about 50 bytes a face. A
- * copy takes 160 bytes with its edges, so the bound covers one copy for four faces. */
+/* Checks the budget for the copies of vertices. The bound of gd_mesh_build_cost exceeds the need
+ * without copies by about 50 bytes a face. A copy and its edges take 160 bytes. So the bound is
+ * enough for one copy for every four faces. */
 static enum gd_status afford_copies(const struct gd__construction *work, uint32_t faces)
 {
     if (work->copy_count <= faces / 4) return GD_OK;

@@ -1,5 +1,5 @@
-/* Functions that the steps of merging and repair share. Each of them edits work->triangle (vertex
- * indices; the order of faces stays) and records its changes in mesh->repair. */
+/* Functions that the steps of merging and repair share. Each step changes vertex indices in
+ * work->triangle, keeps the order of the faces, and records its changes in mesh->repair. */
 #ifndef GD_REPAIR_REPAIR_H
 #define GD_REPAIR_REPAIR_H
 
@@ -13,13 +13,14 @@ enum gd_status gd__repair(struct gd__construction *work);
  * `vertices`. */
 void gd__blame_weld(const struct gd__construction *work, const uint32_t *vertices, uint32_t count);
 
-/* Sets representative[i] for each vertex i that a face uses. It is the lowest-numbered vertex
- * within the tolerance of i among the vertices that represent themselves. Expected linear time for
- * every input. Errors: GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
+/* Sets representative[i] for each vertex i that a face uses. Among the vertices that represent
+ * themselves and are within the tolerance of vertex i, it is the one with the lowest number.
+ * Expected linear time for every input. Errors: GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_CANCELLED,
+ * GD_DEADLINE. */
 enum gd_status gd__weld_vertices(struct gd__construction *work);
 
 /* Sets original[i] to the first polygon with the same set of vertices as polygon i, or to i if
- * polygon i has no corners. GD_NO_MEMORY, and the status of the pace. */
+ * polygon i has no corners. Errors: GD_NO_MEMORY, and those of the pace. */
 enum gd_status gd__find_duplicates(const struct gd_polygons *polygons, struct gd__pace *pace,
                                    uint32_t *original);
 

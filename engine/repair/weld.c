@@ -25,7 +25,7 @@ struct cell_table {
     uint64_t mask, seed;
 };
 
-/* Returns the cell of a coordinate, never -0. */
+/* Returns the number of the cell that contains a coordinate; never -0. */
 static double repair_weld_cell_of(const struct cell_table *table, double x)
 {
     return (table->tolerance > 0 ? floor(x / (2 * table->tolerance)) : x) + 0.0;
