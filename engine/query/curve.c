@@ -12,7 +12,7 @@
 #include "mesh/topology.h"
 #include "mesh/segment.h"
 
-#define PORTION 4096 /* points between two checks of the control */
+#define PORTION 4096 /* number of points between two checks of the control */
 
 /* A curve under construction. */
 struct drawing {
@@ -49,7 +49,7 @@ uint32_t gd_curve_seed_count(const struct gd_curve *curve)
     return curve->closed && curve->count > 2 ? 2 * curve->count : 2 * curve->count - 1;
 }
 
-/* Zeroes the padding, so that the seeds of equal curves have equal bytes. */
+/* Also zeroes the padding of the structs, so that the seeds of equal curves have equal bytes. */
 void gd_curve_seeds(const struct gd_curve *curve, double offset, struct gd_seed *out)
 {
     uint32_t count = gd_curve_seed_count(curve);
@@ -81,7 +81,8 @@ static enum gd_status query_curve_add(struct drawing *drawing, const struct gd_p
 
 /* --- from points ------------------------------------------------------------------------------ */
 
-/* Returns the i-th point, moved to the border if it is too close to it, see GD_TOL_CORNER. */
+/* Returns the i-th point. If it is too close to the border of its face, moves it onto the border
+ * (GD_TOL_CORNER). */
 static struct gd_point query_curve_corner(const struct drawing *drawing, uint32_t i)
 {
     return gd__point_settled(drawing->mesh, &drawing->request->points[i], GD_TOL_CORNER);
@@ -154,8 +155,8 @@ static enum gd_status draw_vertices(struct drawing *drawing)
     return status;
 }
 
-/* Builds the curve of a boundary. A boundary vertex' fan begins at the boundary edge that leaves it
- * with the surface at the left. */
+/* Builds the curve of a boundary. The fan of a boundary vertex begins at the boundary edge that
+ * leaves the vertex with the surface on its left. */
 static enum gd_status draw_boundary(struct drawing *drawing)
 {
     const struct gd_mesh *mesh = drawing->mesh;
@@ -222,8 +223,8 @@ static bool direction_to(const struct gd_mesh *mesh, const struct gd_point *from
                                NULL);
 }
 
-/* Returns true if a curve that arrives at the start of segment `out` from the start of segment `in`
- * turns by more than `turn`. */
+/* Segment `in` ends where segment `out` begins. Returns true if the curve turns there by more than
+ * `turn`. */
 static bool is_corner(const struct gd_mesh *mesh, const struct gd_seed *in,
                       const struct gd_seed *out, double turn)
 {
@@ -238,7 +239,8 @@ static bool is_corner(const struct gd_mesh *mesh, const struct gd_seed *in,
     return fabs(M_PI - between) > turn;
 }
 
-/* Returns the seed behind the curve or the point that begins at seed `first`. */
+/* A curve or a point begins at seed `first`. Returns the number of the first seed after this curve
+ * or point. */
 static uint32_t end_of_curve(const struct gd_seed *seeds, uint32_t count, uint32_t first)
 {
     uint32_t i = first + 1;

@@ -7,10 +7,10 @@
 #include "mesh/canonical.h"
 #include "mesh/tangent_angle.h"
 
-/* Distance below which two points are the same, relative to the size of a face. */
+/* Two points count as the same if their distance is below this, relative to the size of a face. */
 #define MEETING (8 * GD_TOL_PLACE)
 
-enum { CHECK_INTERVAL = 64 /* segments between two checks of the control */ };
+enum { CHECK_INTERVAL = 64 /* number of segments between two checks of the control */ };
 
 void gd_curve_distance_free(struct gd_curve_distance *distance)
 {
@@ -19,11 +19,12 @@ void gd_curve_distance_free(struct gd_curve_distance *distance)
 
 /* --- locations -------------------------------------------------------------------------------- */
 
-/* A location on a curve: the distance `t` along the segment from point `segment`. A curve of one
- * point has no segment. */
+/* A location on a curve: the position at the distance `t` along the segment that begins at point
+ * `segment`. A curve of one point has no segment. */
 struct curve_location {
     uint32_t segment;
-    double t, length; /* length of the segment; 0 means that the location is the point itself */
+    /* `length` is the length of the segment; if it is 0, the location is the point itself */
+    double t, length;
     struct gd_point point;
 };
 
@@ -44,7 +45,8 @@ static double curve_distance_length_of(const struct gd_mesh *mesh, const struct 
                             gd_point_position(mesh, curve_distance_end_of(curve, segment)));
 }
 
-/* Returns the point of a segment at the fraction s. Its ends are exactly the curve's points. */
+/* Returns the point of a segment at the fraction s. For s = 0 and s = 1, returns exactly the
+ * curve's points. */
 static struct gd_point point_along(const struct gd_mesh *mesh, const struct gd_point *a,
                                    const struct gd_point *b, double s)
 {
@@ -76,8 +78,8 @@ static double parameter_of(const struct gd_mesh *mesh, const struct gd_curve *cu
 
 /* --- angles ----------------------------------------------------------------------------------- */
 
-/* Updates the least angle between the path, which continues to `next`, and the curve, which
- * continues to `to`. */
+/* Computes the angle at `at` between the directions to `next` (along the path) and to `to` (along
+ * the curve). Updates *least if this angle is smaller. */
 static void curve_distance_compare(const struct gd_mesh *mesh, const struct gd_point *at,
                                    const struct gd_point *next, const struct gd_point *to,
                                    double *least)
@@ -120,13 +122,13 @@ struct search {
     const struct gd_mesh *mesh;
     const struct gd_curve *b;
     const struct gd_control *control;
-    bool greatest; /* true: searches for the greatest distance; false: for the least */
+    bool greatest; /* true if the greatest distance is searched, false if the least */
     double best;   /* normalised unit; GD__FAR means no path */
     struct curve_location location;
 };
 
-/* Returns true if the distance is better by more than rounding, so that a corner of the curve wins
- * against a point beside it. */
+/* Returns true if the distance is better by more than rounding errors. So a point close to a corner
+ * of the curve does not replace the corner. */
 static bool curve_distance_is_better(const struct search *search, double distance)
 {
     double slack = GD_TOL_BETTER * distance;
@@ -183,7 +185,7 @@ static enum gd_status curve_distance_run(struct search *search)
 
 /* --- result ----------------------------------------------------------------------------------- */
 
-/* Returns the location of the path's end on the curve that the seed belongs to. */
+/* Returns the location of the path's end on the curve to which the seed belongs. */
 static struct curve_location location_of_seed(const struct gd_mesh *mesh, const struct gd_curve *a,
                                               uint32_t seed, const struct gd_point *point)
 {

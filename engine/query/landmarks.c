@@ -13,8 +13,8 @@ struct gd_landmarks {
     atomic_uint references;
     const struct gd_mesh *mesh;
     uint32_t count;
-    /* GD__LANDMARKS_MOST distances for each vertex, normalised unit, rounded to nearest. 0 means
-       that there is no such landmark, or it is on another component. */
+    /* GD__LANDMARKS_MOST distances for each vertex, in the normalised unit, rounded to nearest. A
+       distance of 0 means that there is no such landmark, or that it is on another component. */
     float distance[];
 };
 
@@ -73,12 +73,13 @@ size_t gd_landmarks_memsize(const struct gd_landmarks *landmarks)
 
 /* --- building --------------------------------------------------------------------------------- */
 
-/* The column of one landmark, and the state that chooses the next landmark. */
+/* The distances from the current landmark, and the state from which the next landmark is chosen. */
 struct column {
     struct gd_landmarks *landmarks;
     uint32_t index;
-    double *nearest;  /* for each vertex, distance from the nearest landmark so far */
-    double *distance; /* for each input index, distance from this landmark, in the caller's unit */
+    double *nearest; /* for each vertex, its distance from the nearest landmark so far */
+    /* for each input index, its distance from this landmark, in the caller's unit */
+    double *distance;
 };
 
 static void landmarks_take(struct column *column, uint32_t vertex, double distance)
@@ -89,8 +90,8 @@ static void landmarks_take(struct column *column, uint32_t vertex, double distan
     if (distance < column->nearest[vertex]) column->nearest[vertex] = distance;
 }
 
-/* Measures the distances of one landmark. If the field fails its check, the column stays empty, and
- * the vertex is not chosen again. */
+/* Computes the distances from one landmark. If the field fails its check, there are no distances,
+ * and the vertex is not chosen again. */
 static enum gd_status landmarks_measure(struct column *column, uint32_t vertex,
                                         const struct gd_control *control)
 {
@@ -105,8 +106,8 @@ static enum gd_status landmarks_measure(struct column *column, uint32_t vertex,
     return status == GD_INTERNAL ? GD_OK : status;
 }
 
-/* Returns the vertex farthest from all landmarks. Vertices of components without a landmark come
- * first, because they are infinitely far. */
+/* Returns the vertex farthest from all landmarks. A vertex of a component without a landmark is
+ * infinitely far, so it is returned first. */
 static uint32_t farthest(const double *nearest, uint32_t count)
 {
     uint32_t best = 0;

@@ -5,7 +5,7 @@
 #include "gd/landmarks.h"
 #include "guide/guide.h"
 
-/* Sets the landmarks of a guide until the guide is cleaned. Does nothing if `landmarks` is NULL or
+/* Makes the guide use the landmarks until it is cleaned. Does nothing if `landmarks` is NULL or
  * belongs to another mesh. */
 void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_mesh *mesh,
                          struct gd__guide *guide);

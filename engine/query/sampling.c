@@ -8,8 +8,8 @@
 #include "gd/field.h"
 #include "mesh/topology.h"
 
-/* Farthest-point sampling: each step builds the field of all samples and adds its farthest
- * vertex. */
+/* Farthest-point sampling: each step builds the field of all samples so far, and adds the vertex
+ * that is farthest from them. */
 
 struct sampler {
     const struct gd_mesh *mesh;
@@ -45,7 +45,7 @@ static enum gd_status find_next(const struct sampler *sampler, const struct gd_f
     return GD_OK;
 }
 
-/* Builds the field of the samples and adds the next sample: two parts of the progress. */
+/* Builds the field of the samples and adds the next sample. This is two parts of the progress. */
 static enum gd_status add_point(struct sampler *sampler, struct gd__share *share,
                                 const struct gd_control *control)
 {

@@ -8,25 +8,26 @@
 #include "query/taut_path.h"
 #include "wavefront/wavefront.h"
 
-/* After straightening, a path in a graph is the shortest path on the surface, or slightly longer.
- * Its length bounds the distance from above (guide/guide.h, query/taut_path.h). The search
- * propagates windows within this bound. A window propagates only if a path through it to the target
- * can be as short. The lower bounds at the ends of the window's edge decide this. Therefore few
- * windows propagate (Xin and Wang 2009; Qin et al. 2016 prune fields, not pairs). */
+/* The search first finds a path in a graph and straightens it. The result is the shortest path on
+ * the surface, or slightly longer. Its length is an upper bound of the distance (guide/guide.h,
+ * query/taut_path.h). Then the search propagates windows. A window is propagated only if a path
+ * through it to the target can be within this bound. This is tested with lower bounds at the ends
+ * of the window's edge. Therefore few windows are propagated (Xin and Wang 2009; Qin et al. 2016
+ * prune fields, not pairs). */
 
 struct search {
     const struct gd_mesh *mesh;
     struct gd__seed seed;
     struct gd_point target;
-    /* True if the seed is the pair's second point, and the path is traced back to it. */
+    /* true if the seed is the pair's second point; the path is then traced back to this point */
     bool is_turned;
     enum gd_pair_output output;
     struct gd_pair_answer *out;
-    double bound;    /* bound of the run: the result is at most this long */
+    double bound;    /* upper bound of the distance in the current run */
     double distance; /* distance found, in the normalised unit */
 };
 
-/* Presents the wavefront's arrays as a field. The workspace still owns them. */
+/* Makes a field of the wavefront's arrays. The workspace still owns the arrays. */
 static enum gd_status view(const struct search *search, const struct gd_workspace *work,
                            struct gd_field *field)
 {
@@ -47,7 +48,7 @@ static bool is_found(const struct search *search)
     return search->distance <= search->bound * (1 + GD_TOL_CHECK);
 }
 
-/* Reads the distance and the path. This sink keeps none of the arrays. */
+/* Reads the distance and the path. This sink does not take any of the arrays. */
 static enum gd_status search_answer(void *user, struct gd__wavefront *front)
 {
     struct search *search = user;
@@ -68,8 +69,8 @@ static enum gd_status search_run(struct search *search, struct gd__guide *guide,
 {
     double rounding =
         guide->margin + GD_TOL_PLACE * (search->mesh->summary.edge_length.max / search->mesh->unit);
-    /* The rounding is added, because for close points it exceeds any fixed part of their
-     * distance. */
+    /* The absolute rounding error is added because, for points that are close together, it can be
+     * larger than any fixed part of their distance. */
     search->bound = bound + rounding;
     enum gd_status status = gd__rings_draw(guide, &search->seed.point, search->bound);
     if (status) return status;
@@ -79,7 +80,7 @@ static enum gd_status search_run(struct search *search, struct gd__guide *guide,
     return gd__wavefront_run(search->mesh, &propagation, &sink, control);
 }
 
-/* Searches from the other end of the pair. */
+/* Exchanges seed and target, so that the search starts from the other end of the pair. */
 static enum gd_status search_turn(struct search *search, struct gd__guide *guide)
 {
     enum gd_status status = gd__guide_turn(guide, &search->seed.point);
@@ -114,13 +115,13 @@ static enum gd_status run_turned(struct search *search, struct gd__guide *guide,
     return status == GD_INTERNAL ? GD_OK : status;
 }
 
-/* Searches within the length of the taut path. That length is less than the safe bound `upper`, but
- * has the rounding of many unfolded faces. If the search fails for that reason, it is repeated with
- * `upper`. */
+/* Searches within the length of the taut path. This length is smaller than the safe bound `upper`,
+ * but has the rounding errors of many unfolded faces. If no path is found because of them, the
+ * search is repeated with `upper`. */
 static enum gd_status run_bounded(struct search *search, struct gd__guide *guide, double upper,
                                   const struct gd_control *control)
 {
-    struct gd__share share = {/* the guide had half of the progress; each run has a quarter */
+    struct gd__share share = {/* the guide was half of the progress; each run is a quarter */
                               .control = control,
                               .done = 2,
                               .total = 4};
@@ -189,8 +190,8 @@ void gd_pair_answer_free(struct gd_pair_answer *answer)
     if (answer) gd_path_free(&answer->path);
 }
 
-/* Answers from a field at the point `end`. If `end_is_from`, the traced path already begins at
- * `from`. */
+/* Computes the answer from a field, traced from the point `end`. If `end_is_from`, the traced path
+ * already begins at `from`. */
 static enum gd_status pair_from_field(const struct gd_field *field, const struct gd_point *end,
                                       bool end_is_from, enum gd_pair_output output,
                                       struct gd_pair_answer *out)

@@ -5,8 +5,8 @@
 #include "mesh/canonical.h"
 
 /* Converts the guide's path to a route. A step of the path runs along an edge or straight across an
- * edge. For a step across an edge, any point of the edge may be used, because only the strip of
- * faces is straightened. */
+ * edge. For a step across an edge, any point of the edge can be added to the route, because
+ * straightening depends only on the strip of faces. */
 static enum gd_status taut_path_walk(const struct gd__guide *guide, const struct gd_point *from,
                                      const struct gd_point *to, const struct gd_control *control,
                                      struct gd__route *route)

@@ -1,5 +1,5 @@
-/* Taut path: the path that a guide found between two points, straightened. Its length bounds a
- * search. */
+/* Taut path: the path that a guide found between two points, after straightening. Its length is the
+ * upper bound of a search. */
 #ifndef GD_QUERY_TAUT_PATH_H
 #define GD_QUERY_TAUT_PATH_H
 
