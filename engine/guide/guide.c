@@ -8,14 +8,17 @@
 #include "base/tolerance.h"
 #include "base/prefetch.h"
 
-/* Weights of the remaining distance in A*: of the straight line in space, and with landmarks of the
- * line and of the landmarks' bound. A weight above 1 finds a path at a fraction of the cost. The
- * path may be slightly too long, but it is straightened afterwards. */
+/* Weights by which A* multiplies lower bounds of the remaining distance. GREED: weight of the
+ * straight line in space, without landmarks. LINE_GREED and LANDMARKS_GREED: weights of the
+ * straight line and of the landmarks' bound, with landmarks. With a weight above 1, A* finds a path
+ * at a fraction of the cost. The path may be slightly too long, but it is straightened
+ * afterwards. */
 #define GREED           1.2
 #define LINE_GREED      1.1
 #define LANDMARKS_GREED 1.05
 
-/* Fan entries or ring vertices between two checks of the control: well under a millisecond. */
+/* Number of fan entries or ring vertices between two checks of the control. This takes well under a
+ * millisecond. */
 #define CHECK_INTERVAL 1024
 
 /* --- nodes ------------------------------------------------------------------------------------ */
@@ -50,9 +53,10 @@ static enum gd_status touch_vertex(struct gd__guide *guide, uint32_t vertex)
 
 /* --- lower bounds ----------------------------------------------------------------------------- */
 
-/* Returns a lower bound of the distance from a vertex to the point with the given bounds. The slack
- * covers the rounding of the vertex' own distance and of the two subtractions. Branchless over a
- * fixed number of landmarks, so that compilers vectorise it. */
+/* Returns a lower bound of the distance from a vertex to a point. `bounds` has the bounds of the
+ * point's distances from the landmarks. The result is reduced by the rounding errors of the vertex'
+ * own distance and of the two subtractions. The loop has no branches and a fixed number of
+ * landmarks, so that compilers vectorise it. */
 static double landmark_bound(const struct gd__guide *guide,
                              const struct gd__landmark_bounds *bounds, uint32_t vertex)
 {
@@ -88,7 +92,7 @@ double gd__guide_measure(struct gd__guide *guide, uint32_t vertex)
     double lower = rest_to(guide, vertex, &guide->target, &guide->from_target);
     if (guide->rings.count) lower = fmax(lower, gd__rings_lower(guide, vertex));
     if (lower < 0) lower = 0;
-    /* without memory the bound is not stored but computed each time */
+    /* if there is no memory, the bound is not stored, and is computed each time */
     if (touch_vertex(guide, vertex)) return lower;
     return guide->node[vertex].lower = lower;
 }
@@ -98,8 +102,8 @@ void gd__guide_reset_lower(struct gd__guide *guide)
     for (uint32_t i = 0; i < guide->touched_count; i++) guide->node[guide->touched[i]].lower = -1;
 }
 
-/* Computes a point's bounds from those of its corners. Landmarks in other components give no
- * bound. */
+/* Computes the bounds of a point's distances from the landmarks. Uses the distances of the corners
+ * around the point. Landmarks in other components give no bound. */
 static void read_landmarks(const struct gd__guide *guide, const struct gd__anchor *point,
                            struct gd__landmark_bounds *out)
 {
@@ -131,8 +135,8 @@ static uint32_t heap_pop(struct gd__guide *guide)
     uint32_t vertex = guide->heap[0].vertex, count = --guide->heap_count, at = 0;
     struct gd__guide_entry entry = guide->heap[count];
     for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
-        /* The lesser child is chosen without a branch. For this purpose the code may read the
-         * removed entry behind the last one. */
+        /* Selects the smaller child without a branch. To do so, the code may read the removed entry
+         * behind the last entry. */
         child += (child + 1 < count) & (guide->heap[child + 1].key < guide->heap[child].key);
         if (guide->heap[child].key >= entry.key) break;
         guide->heap[at] = guide->heap[child];
@@ -141,14 +145,15 @@ static uint32_t heap_pop(struct gd__guide *guide)
     return vertex;
 }
 
-/* A path to the target that is offered to a vertex. */
+/* A path from a vertex to the target, which is offered to this vertex. */
 struct offer {
     double upper;
     uint32_t parent, across; /* as in struct gd__guide_node */
 };
 
-/* Offers the path to the vertex. The key includes the lower bound to `from`. A vertex that was
- * expanded is not expanded again: that would cost more than a slightly longer path. */
+/* Offers the path to the vertex. The key includes the lower bound of the distance to `from`. A
+ * vertex that was expanded is not expanded again, because this would cost more than a slightly
+ * longer path. */
 static enum gd_status relax_vertex(struct gd__guide *guide, uint32_t vertex, struct offer offer,
                                    const struct gd_vec3 *from)
 {
@@ -171,9 +176,10 @@ static enum gd_status relax_vertex(struct gd__guide *guide, uint32_t vertex, str
     return GD_OK;
 }
 
-/* Returns the length of the straight segment from a vertex across the opposite edge a-b to the
- * corner behind the edge; GD__FAR if the segment misses the edge. Computed from positions, which A*
- * loads anyway; records of sides would cost cache misses. */
+/* Let a-b be the edge opposite to a vertex, and `beyond` the apex of the face on its other side.
+ * Returns the length of the straight segment from the vertex across a-b to `beyond`, or GD__FAR if
+ * the segment misses the edge. Computes it from positions, which A* loads anyway, because loading
+ * the records of sides would cause cache misses. */
 static double way_across(const struct gd_vec3 *vertex, const struct gd_vec3 *a,
                          const struct gd_vec3 *b, const struct gd_vec3 *beyond)
 {
@@ -187,8 +193,8 @@ static double way_across(const struct gd_vec3 *vertex, const struct gd_vec3 *a,
     return t > 0 && t < length ? sqrt(dx * dx + dy * dy) : GD__FAR;
 }
 
-/* Offers the segment across the face of a fan entry. Skips it if even the straight line in space
- * would not shorten the path of the corner behind. */
+/* Offers the segment across the face of a fan entry to the corner beyond this face. Skips it if
+ * even the straight line in space would not give this corner a shorter path. */
 static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, uint32_t entry,
                                    const struct gd_vec3 *from)
 {
@@ -209,8 +215,8 @@ enum gd_status gd__guide_step(struct gd__guide *guide)
     return ++guide->steps % CHECK_INTERVAL ? GD_OK : gd_control_check(guide->control, 0);
 }
 
-/* Prefetches the nodes of the corners around a vertex and of the corners behind them. Most of the
- * waiting time of A* is cache misses of these nodes. */
+/* Prefetches the nodes of the neighbours of a vertex and of the corners beyond its faces. Most of
+ * the waiting time of A* comes from cache misses of these nodes. */
 GD__PREFETCH guide_prefetch(const struct gd__guide *guide, uint32_t vertex)
 {
     const struct gd_mesh *mesh = guide->mesh;
@@ -245,7 +251,8 @@ static enum gd_status expand_vertex(struct gd__guide *guide, uint32_t vertex,
     return status;
 }
 
-/* Returns the length of the shortest known path from a point, and the first vertex of the path. */
+/* Returns the length of the shortest known path from a point to the target, and sets *first to the
+ * first vertex of this path. */
 static double best_way(const struct gd__guide *guide, const struct gd__anchor *from,
                        uint32_t *first)
 {
@@ -343,9 +350,10 @@ enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh
 
 /* --- choice of the end ------------------------------------------------------------------------ */
 
-/* Returns the estimated work of a search at one place. The width of the searched strip is about the
- * square root of `rest` - `lower`, the part of the remaining length that the lower bound misses.
- * The number of windows grows with `run`, the distance from the search's source. */
+/* Returns the estimated work of a search per length of the path, at one place. The width of the
+ * searched strip is about the square root of `rest` - `lower`, where `rest` is the remaining length
+ * and `lower` its lower bound. The number of windows grows with `run`, the distance from the
+ * search's source. */
 static double work_at(double run, double rest, double lower)
 {
     return sqrt(run * fmax(rest - lower, 0));

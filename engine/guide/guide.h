@@ -1,10 +1,10 @@
 /* Guide: bounds of the distance from each vertex to one target, computed before windows are
- * propagated. Lower bounds prune windows; upper bounds limit the search.
+ * propagated. Lower bounds serve to drop windows, and upper bounds limit the search.
  *
- * Lower bounds: the straight line in space, the line from ring to ring (kernel/ring.h), and for
- * each landmark l, |d(l, v) - d(l, t)|. Upper bounds: A* finds shortest paths to the target in the
- * graph of edges and of straight segments across one edge. All bounds are rounded to the safe side.
- * One guide, one thread. */
+ * Lower bounds of the distance from a vertex v to the target t: the straight line in space, the
+ * straight lines from ring to ring (kernel/ring.h), and |d(l, v) - d(l, t)| for each landmark l.
+ * Upper bounds: A* finds shortest paths to the target in the graph of edges and of straight
+ * segments across one edge. All bounds are rounded to the safe side. One guide, one thread. */
 #ifndef GD_GUIDE_GUIDE_H
 #define GD_GUIDE_GUIDE_H
 
@@ -18,10 +18,11 @@ struct gd__guide_node {
        none */
     double upper;
     double lower; /* lower bound of the distance to the target; < 0: not computed yet */
-    /* the next vertex of the path of `upper`; GD_NONE means that the target is straight ahead */
+    /* the next vertex on the path whose length is `upper`; GD_NONE means that the path leads
+       straight to the target */
     uint32_t parent;
-    /* The entry of the parent's fan whose face the path to the parent crosses; GD_NONE means that
-     * the path runs along an edge. */
+    /* The entry of the parent's fan whose face is crossed by the path to the parent. GD_NONE means
+     * that the path runs along an edge. */
     uint32_t across;
     bool closed, touched;
 };
@@ -42,24 +43,24 @@ struct gd__guide {
     uint32_t steps; /* steps since the search began; the control is checked at intervals */
     struct gd__anchor target;
     double margin;               /* rounding of distances in space */
-    struct gd__guide_node *node; /* per vertex; clean (GD__FAR) between searches */
+    struct gd__guide_node *node; /* for each vertex, its node; clean (GD__FAR) between searches */
     uint32_t capacity;
     uint32_t *touched; /* nodes to reset when the search ends */
     uint32_t touched_count, touched_capacity;
     struct gd__guide_entry *heap;
     uint32_t heap_count, heap_capacity;
-    /* GD__LANDMARKS_MOST distances for each vertex, 0 for a missing landmark; NULL means no
+    /* GD__LANDMARKS_MOST distances for each vertex, 0 for a missing landmark; NULL if there are no
        landmarks */
     const float *landmark;
     struct gd__landmark_bounds from_target, from_start;
     struct gd__rings rings;
 };
 
-/* Sets the target `to` and finds paths to it in the region between it and `from`. The guide is all
- * zero or was used before. Returns in *upper the length of a path between the two, rounded up. Both
- * points must lie on one component. `control` is borrowed until the guide is cleaned. Errors:
- * GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: proportional to the number of vertices
- * that A* visits, which is a few percent of the vertices around the path. */
+/* Sets the target `to`, and finds paths to it in the region between `to` and `from`. The guide must
+ * be all zero or must have been used before. Sets *upper to the length of a path between the two
+ * points, rounded up. Both points must lie on one component. `control` is borrowed until the guide
+ * is cleaned. Errors: GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: proportional to the
+ * number of vertices that A* visits, which is a few percent of the vertices around the path. */
 GD_MUST_USE enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh,
                                          const struct gd_point *from, const struct gd_point *to,
                                          const struct gd_control *control, double *upper);
@@ -67,16 +68,17 @@ GD_MUST_USE enum gd_status gd__guide_aim(struct gd__guide *guide, const struct g
 /* Returns the bytes of memory that the guide holds. */
 size_t gd__guide_held(const struct gd__guide *guide);
 
-/* Returns the first vertex of the path from `from` that gd__guide_aim found. The next vertices
- * follow by node[].parent. */
+/* Returns the first vertex of the path from `from` that gd__guide_aim found. node[].parent has the
+ * next vertex for each vertex of the path. */
 uint32_t gd__guide_first(const struct gd__guide *guide, const struct gd_point *from);
 
-/* Returns true if a search from the target to `from` is estimated to be cheaper than a search from
- * `from` to the target. The estimate uses the path that was found. O(vertices of the path). */
+/* Estimates the cost of a search from the path that was found. Returns true if a search from the
+ * target to `from` is probably cheaper than a search from `from` to the target. O(vertices of the
+ * path). */
 bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point *from);
 
-/* Makes `from` the target. Upper bounds remain only for the corners of the faces that contain
- * `from`; the path is discarded. Errors: those of gd__guide_aim. */
+/* Makes `from` the target. Discards the path and most upper bounds. Keeps only the upper bounds of
+ * the corners of the faces that contain `from`. Errors: those of gd__guide_aim. */
 GD_MUST_USE enum gd_status gd__guide_turn(struct gd__guide *guide, const struct gd_point *from);
 
 /* gd__guide_lower returns a lower bound of the distance from a vertex to the target. At its first
@@ -88,16 +90,16 @@ static inline double gd__guide_lower(struct gd__guide *guide, uint32_t vertex)
     return node->lower >= 0 ? node->lower : gd__guide_measure(guide, vertex);
 }
 
-/* Returns a lower bound of the distance from a vertex to one of the two ends: the straight line in
- * space. */
+/* Returns the length of the straight line in space from a vertex to one of the two ends, as a lower
+ * bound of the distance. */
 double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end);
 
-/* Discards the lower bounds computed so far; the next use computes them again. For the files of
- * this folder only. O(vertices touched). */
+/* Discards the lower bounds that were computed so far. They are computed again when they are used
+ * next. Only for the files of this folder. O(vertices touched). */
 void gd__guide_reset_lower(struct gd__guide *guide);
 
-/* Makes room for one entry behind `count` in one of the guide's arrays, whose pointer is stored at
- * the address `array`. Errors: GD_NO_MEMORY, GD_BUDGET. */
+/* Makes room for one more entry after the `count` entries of one of the guide's arrays. The pointer
+ * to the array is stored at the address `array`. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__guide_make_room(const struct gd__guide *guide, void *array,
                                                uint32_t count, uint32_t *capacity, size_t size);
 
@@ -110,15 +112,16 @@ void gd__guide_destroy(struct gd__guide *guide);
 
 /* --- rings.c: the rings of a guide ------------------------------------------------------------ */
 
-/* Computes rings around the guide's target out to `from`, for a search of paths not longer than
- * `bound`. Does nothing if the existing bounds are good enough. Lower bounds may become larger than
- * those already returned. Errors: GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: about
- * 100 ns for each vertex whose straight lines to both ends are within the bound. */
+/* Computes rings around the guide's target, as far as `from`, for a search of paths not longer than
+ * `bound`. Does nothing if the existing bounds are good enough. Afterwards, lower bounds may be
+ * larger than those returned before. Errors: GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED.
+ * Cost: about 100 ns for each vertex whose straight lines to both ends are within the bound. */
 GD_MUST_USE enum gd_status gd__rings_draw(struct gd__guide *guide, const struct gd_point *from,
                                           double bound);
 
-/* Returns a lower bound, by rings, of the distance from a vertex to the guide's target; it may be
- * negative. GD__FAR means no path within the bound passes the vertex. O(points of a ring). */
+/* Returns a lower bound, computed from rings, of the distance from a vertex to the guide's target.
+ * It may be negative. GD__FAR means that no path within the search's bound passes the vertex.
+ * O(points of a ring). */
 double gd__rings_lower(const struct gd__guide *guide, uint32_t vertex);
 
 /* Discards all rings. */

@@ -7,19 +7,20 @@
 #include "base/prefetch.h"
 #include "kernel/kernel.h"
 
-/* Hops from ring to ring. The bound loses a little at each ring, so a smaller spacing loses more.
- * With a larger spacing the straight lines cut more through the inside of the surface. */
+/* Number of hops from ring to ring. Each ring makes the bound a little worse, which is a reason
+ * against a smaller spacing. With a larger spacing, the straight lines from ring to ring follow the
+ * surface less well. */
 #define SPACING 6
 #define LEAST   3 /* least number of hops between a vertex and the ring that gives its bound */
 /* Rings are computed only if the other lower bounds are below the search's bound by more than this
- * part of it. Otherwise rings cost more than they save. */
+ * part of the bound. Otherwise rings cost more than they save. */
 #define GAP   0.02
-#define AHEAD 8 /* vertices ahead whose records are prefetched */
-/* Largest length of an edge relative to the bound. With longer edges floats would lose all
- * precision. */
+#define AHEAD 8 /* records are prefetched this number of vertices ahead */
+/* Largest length of an edge, relative to the bound. With longer edges, floats would be too
+ * imprecise. */
 #define COARSE 1e3
 
-/* Value of `hops`: no path within the bound passes the vertex. */
+/* This value of `hops` means that no path within the bound passes the vertex. */
 #define OUT_OF_THE_WAY GD_NONE
 
 size_t gd__rings_held(const struct gd__rings *rings)
@@ -54,9 +55,9 @@ static struct gd__place place_of(const struct gd__guide *guide, uint32_t vertex)
                               (float)((p->z - target->z) * scale)};
 }
 
-/* Returns a lower bound of the distance from a point to the target by a ring, divided by the
- * search's bound. The bound also holds, as a linear function, for parts of edges between such
- * points, none longer than `own`. */
+/* Returns a lower bound of the distance from a point to the target, computed from one ring and
+ * divided by the search's bound. On a part of an edge between two such points, not longer than
+ * `own`, the linear interpolation of their results is also a lower bound. */
 static float by_ring(const struct gd__rings *rings, uint32_t number, struct gd__place p, float own)
 {
     const struct gd__ring_group *group = rings->group;
@@ -65,8 +66,8 @@ static float by_ring(const struct gd__rings *rings, uint32_t number, struct gd__
            rings->slack;
 }
 
-/* Returns the ring that gives the best bound for a vertex of that many hops. A ring that is too
- * near gives a poor bound. */
+/* Returns the ring that gives the best bound for a vertex at that number of hops. A ring that is
+ * too close to the vertex gives a bad bound. */
 static uint32_t ring_for(uint32_t hops)
 {
     return hops < LEAST ? 0 : (hops - LEAST) / SPACING;
@@ -91,7 +92,8 @@ double gd__rings_lower(const struct gd__guide *guide, uint32_t vertex)
 struct growth {
     struct gd__guide *guide;
     struct gd__anchor from;
-    uint32_t hops; /* hops of the outermost vertices, which are marked [first, marked_count) */
+    /* hops of the outermost vertices, which are marked[first] to marked[marked_count - 1] */
+    uint32_t hops;
     uint32_t first;
 };
 
@@ -101,8 +103,8 @@ static double square(struct gd_vec3 a, struct gd_vec3 b)
     return gd_vec3_dot(way, way);
 }
 
-/* Returns the length of the longest edge at a vertex. Computed from positions, because the records
- * of sides would cost cache misses. */
+/* Returns the length of the longest edge at a vertex. Computes it from positions, because loading
+ * the records of sides would cause cache misses. */
 static double longest_edge_at(const struct gd_mesh *mesh, uint32_t vertex)
 {
     double longest = 0;
@@ -115,8 +117,8 @@ static double longest_edge_at(const struct gd_mesh *mesh, uint32_t vertex)
 }
 
 /* Returns true if no path within the bound passes through a face of the vertex. `rest` is a lower
- * bound of the distance from the vertex to the target. A point of such a face is at most an edge
- * length away. */
+ * bound of the distance from the vertex to the target. The function uses that each point of these
+ * faces is at most as far from the vertex as the longest edge at the vertex. */
 static bool is_out_of_the_way(const struct growth *growth, uint32_t vertex, double rest)
 {
     const struct gd__guide *guide = growth->guide;
@@ -165,8 +167,8 @@ static enum gd_status mark_neighbours(const struct growth *growth, uint32_t vert
     return GD_OK;
 }
 
-/* Marks as OUT_OF_THE_WAY the outermost vertices that no path within the bound passes. Uses lower
- * bounds by straight lines. */
+/* Marks as OUT_OF_THE_WAY the outermost vertices that no path within the bound passes. Uses
+ * straight lines as lower bounds. */
 static enum gd_status leave_out_of_the_way(const struct growth *growth)
 {
     struct gd__guide *guide = growth->guide;
@@ -185,14 +187,14 @@ static enum gd_status leave_out_of_the_way(const struct growth *growth)
 }
 
 /* Prefetches the fan of the vertex `near`, which is needed soon, and the index of the fan of the
- * vertex `far`, which is needed later. */
+ * vertex `far`, which is needed after that. */
 GD__PREFETCH prefetch_fan(const struct gd_mesh *mesh, uint32_t near, uint32_t far)
 {
     __builtin_prefetch(&mesh->fan_first[far]);
     __builtin_prefetch(&mesh->fan[mesh->fan_first[near]]);
 }
 
-/* Grows the region by one hop. */
+/* Extends the region by one hop. */
 static enum gd_status grow_ring(struct growth *growth)
 {
     const struct gd__rings *rings = &growth->guide->rings;
@@ -282,8 +284,8 @@ static enum gd_status begin_rings(struct gd__guide *guide)
     return status ? status : close_ring(guide);
 }
 
-/* Returns half of the length of the edge from an outermost vertex to another vertex; 0 if the other
- * vertex is not outermost or is out of the way. */
+/* Returns half of the length of the edge from an outermost vertex to another vertex, or 0 if the
+ * other vertex is not outermost or is out of the way. */
 static float half_edge(const struct growth *growth, uint32_t vertex, uint32_t other)
 {
     const struct gd_mesh *mesh = growth->guide->mesh;
@@ -301,7 +303,7 @@ static float longest_half_edge(const struct growth *growth, uint32_t vertex)
     return longest;
 }
 
-/* Adds the middles of the edges from an outermost vertex to outermost vertices of higher
+/* Adds the middles of the edges from an outermost vertex to outermost vertices with higher
  * numbers. */
 static enum gd_status put_middles(const struct growth *growth, uint32_t *points, uint32_t vertex,
                                   struct gd__place p)
@@ -322,8 +324,8 @@ static enum gd_status put_middles(const struct growth *growth, uint32_t *points,
     return status;
 }
 
-/* Adds a vertex and its edges to the ring, unless the ring before proves that the vertex is out of
- * the way. */
+/* Adds a vertex and its edges to the ring, unless a bound from the previous ring proves that the
+ * vertex is out of the way. */
 static enum gd_status put_vertex(struct growth *growth, uint32_t *points, uint32_t vertex)
 {
     struct gd__guide *guide = growth->guide;
@@ -340,7 +342,7 @@ static enum gd_status put_vertex(struct growth *growth, uint32_t *points, uint32
     return status ? status : gd__guide_step(guide);
 }
 
-/* Adds a ring of the outermost vertices, without those proved to be out of the way. */
+/* Adds a ring of the outermost vertices, except those that are out of the way. */
 static enum gd_status add_ring(struct growth *growth)
 {
     struct gd__rings *rings = &growth->guide->rings;
