@@ -7,7 +7,7 @@
 
 #include "kernel/kernel.h"
 
-/* The kernels, narrowest lanes first. */
+/* The kernels, in the order of their numbers of lanes. */
 static const struct gd__kernel *const kernels[] = {
     &gd__kernel_plain,
 #if defined(__x86_64__)

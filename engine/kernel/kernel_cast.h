@@ -1,5 +1,5 @@
 /* Part of kernel_lanes.h: casts windows across a face. */
-/* Offers the apex the lengths of straight paths, one by one. There are few of them, and a square
+/* Offers the apex the lengths of straight paths, one by one. There are few such paths, so a square
  * root of all lanes would take longer. */
 static inline void reach_straight(struct gd__apex *apex, const struct gd__windows *w, uint32_t i,
                                   mask offers, double px, double py)
@@ -20,7 +20,8 @@ static inline void reach_straight(struct gd__apex *apex, const struct gd__window
     }
 }
 
-/* Restores the unit length of a direction, which rounding changes across many narrow faces. */
+/* Scales a direction to length 1, because rounding errors change its length across many narrow
+ * faces. */
 static inline void keep_unit(mask linear, lanes *x, lanes *y)
 {
     lanes scale = pick(linear, all(1) / root(*x * *x + *y * *y), all(1));
@@ -28,7 +29,8 @@ static inline void keep_unit(mask linear, lanes *x, lanes *y)
     *y = *y * scale;
 }
 
-/* Computes a / b and c / d by one division, the most expensive operation. */
+/* Computes a / b and c / d with only one division, because a division is the most expensive
+ * operation. */
 static inline void quotients(lanes a, lanes b, lanes c, lanes d, lanes *first, lanes *second)
 {
     lanes inverse = all(1) / (b * d);
@@ -36,17 +38,17 @@ static inline void quotients(lanes a, lanes b, lanes c, lanes d, lanes *first, l
     *second = c * (b * inverse);
 }
 
-/* A group of windows with the rays through their ends: e = b - x, and k(b). The sign of k is the
- * side of the apex on which the ray passes. */
+/* A group of windows, with e = b - x and k(b) (kernel_lanes.h) for the ray through each end b. The
+ * sign of k tells on which side of the apex the ray passes. */
 struct rays {
     lanes b0, b1, x, y, sigma, e0, e1, k0, k1;
-    /* linear windows only: difference between the distance at the apex and at the frame's origin */
+    /* only for linear windows: distance at the apex minus distance at the frame's origin */
     lanes beyond;
     ids source;
     mask active, linear;
 };
 
-/* Inlined so that groups stay in registers. */
+/* Functions are inlined so that groups stay in registers. */
 #define INLINE static inline __attribute__((always_inline))
 
 INLINE struct rays load_rays(const struct gd__windows *w, uint32_t i, uint32_t count, lanes px,

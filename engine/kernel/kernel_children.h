@@ -1,8 +1,8 @@
 /* Part of kernel_lanes.h: lists of children under construction. Joins windows of one source;
  * contests other windows that overlap. */
 /* A list of children under construction. Each vector has the same value in all lanes. b0, b1, x, y,
- * sigma and source belong to the list's last window, with the ends that it had before its successor
- * cut it. The other vectors belong to the window that was offered last. */
+ * sigma and source describe the list's last window, with its ends before they were cut. The other
+ * vectors describe the window that was offered last. */
 struct chain {
     struct gd__children *list;
     double width;
@@ -26,16 +26,17 @@ static inline void tangle(struct chain *chain, uint32_t first, uint32_t last)
     if (last > chain->list->tangled_last) chain->list->tangled_last = last;
 }
 
-/* A compressed group of children. own_b1: a window's end before other windows were joined to it.
- * Contests use own_b1: with fewer lanes the joined windows may belong to the next group, and the
- * result must be the same. */
+/* A compressed group of children. own_b1 is the end of a window before other windows were joined to
+ * it. Contests use own_b1, so that the result does not depend on the number of lanes: with fewer
+ * lanes, the joined windows may belong to the next group. */
 struct group {
     uint32_t count;
     lanes b0, b1, own_b1, x, y, sigma;
     ids source;
 };
 
-/* Returns the lanes that have the same source as the window before and start where it ends. */
+/* Returns the lanes whose window has the same source as the previous window and starts where that
+ * window ends. */
 static inline mask find_joined(const struct chain *chain, const struct group *g, mask active)
 {
     lanes x = after(chain->offered_x, g->x), y = after(chain->offered_y, g->y),
@@ -78,7 +79,7 @@ static void join(struct chain *chain, struct group *g, mask joined)
     g->source = ids_compress(starts, g->source);
 }
 
-/* Contests each window with the window before it where they overlap. Cuts both where the winner
+/* Contests each window with the previous window if they overlap. Cuts both windows where the winner
  * changes. */
 static inline __attribute__((always_inline)) void
 resolve(struct chain *chain, struct group *g, lanes b0_before, lanes b1_before, mask overlap)
@@ -117,7 +118,8 @@ static inline void append(struct chain *chain, bool more, bool coalesce, mask ke
 {
     uint32_t set = bits(keep);
     if (!set) return;
-    struct group g; /* set field by field: an initialiser would clear the struct first */
+    /* members are set one by one, because an initialiser would clear the struct first */
+    struct group g;
     g.count = (uint32_t)__builtin_popcount(set);
     g.b0 = b0;
     g.b1 = b1;
@@ -125,7 +127,7 @@ static inline void append(struct chain *chain, bool more, bool coalesce, mask ke
     g.y = y;
     g.sigma = sigma;
     g.source = source;
-    /* the kept lanes are not the first ones, which is rare on the left side */
+    /* the kept lanes are not the first lanes; this is rare on the left side */
     if (set & (set + 1)) {
         g.b0 = compress(keep, b0);
         g.b1 = compress(keep, b1);
@@ -165,8 +167,8 @@ static inline void append(struct chain *chain, bool more, bool coalesce, mask ke
     chain->source = ids_last_of(g.source, g.count);
 }
 
-/* Drops windows whose source is on or beside the line of the children's edge. This is
- * gd__window_grazes in lanes. */
+/* Drops windows whose source is on, or almost on, the line of the children's edge. Computes
+ * gd__window_grazes for all lanes. */
 static inline mask drop_grazing(mask keep, lanes x, lanes y, double length)
 {
     const lanes zero = all(0), whole = all(length);
@@ -181,7 +183,9 @@ static inline mask wide_enough(mask may, lanes t0, lanes t1, lanes x, lanes y, d
                                mask linear)
 {
     mask keep = both(may, gt(t1 - t0, all(GD_TOL_WIDTH * length)));
-    if (WITH_LINEAR) { /* y of a linear window is part of a unit vector */
+    /* for a linear window, y is a coordinate of a unit vector, so its bound does not depend on the
+       length */
+    if (WITH_LINEAR) {
         keep = except(keep, both(linear, le(y, all(GD_TOL_GRAZING))));
         y = pick(linear, all(length), y);
     }

@@ -4,10 +4,10 @@ struct sources {
     lanes x, y, sigma;
 };
 
-/* Computes where the winner of the overlap [lo, hi] changes: the owner o wins up to *at, the
- * challenger c from there on. *at is hi or lo if one of them wins everywhere. Returns the lanes of
- * `may` for which *at is valid; contest.c decides the others. The formulas and their reasons are in
- * contest.c. */
+/* Computes where the winner of the overlap [lo, hi] changes: the owner o wins up to *at, and the
+ * challenger c after *at. If one of them wins everywhere, *at is hi or lo. Returns the lanes of
+ * `may` for which *at is valid. The other lanes need window/contest.c, which also explains the
+ * formulas. */
 static inline mask contest_equal(mask may, struct sources c, struct sources o, lanes lo, lanes hi,
                                  lanes *at)
 {
@@ -33,8 +33,8 @@ static inline mask contest_equal(mask may, struct sources c, struct sources o, l
                 either(either(owner_only, challenger_only), both(owner_first, challenger_last)));
 }
 
-/* Returns the lanes in which one window wins in the middle. The difference has no root there, so
- * that window wins everywhere. */
+/* Returns the lanes in which one window wins in the middle. In these lanes the difference must have
+ * no root in the overlap, so this window wins everywhere. */
 static mask contest_middle(mask may, struct sources c, struct sources o, lanes lo, lanes hi,
                            lanes *at)
 {
@@ -57,8 +57,8 @@ static inline mask is_on_branch(lanes p, lanes q, lanes n, lanes d, lanes span, 
                 ge((p * up + q * size) * sign, least * size));
 }
 
-/* Like contest_equal, for unequal sigma: the difference falls at its one root in (lo, hi), or has
- * no root. */
+/* Like contest_equal, for unequal sigma. Handles only the lanes in which the difference has no root
+ * in (lo, hi), or one root at which it decreases. */
 static inline mask contest_unequal(mask may, struct sources c, struct sources o, lanes lo, lanes hi,
                                    lanes *at)
 {

@@ -11,9 +11,9 @@ static uint32_t close_ranks(const struct gd__windows *w, uint32_t from, uint32_t
     return to + (uint32_t)__builtin_popcount(bits(keep));
 }
 
-/* Trims the windows at indices [i, i + LANES) where the path round an end becomes shorter inside
- * the window. If the source lies beside the end, both distances are nearly equal, so the formula
- * must not subtract squares of lengths. */
+/* Trims the windows at indices [i, i + LANES) at the point where the path around an end of the edge
+ * becomes shorter. If the source lies close to this end, both distances are nearly equal, so the
+ * formula must not subtract squares of lengths. */
 static void trim(const struct gd__windows *w, uint32_t i, mask first, mask last, double length,
                  lanes c0, lanes c1)
 {

@@ -1,13 +1,14 @@
 /* The kernel for one set of lanes. kernel_plain.c, kernel_avx2.c and kernel_avx512.c define the
  * lanes (lanes_*.h) and then include this file. kernel_linear_plain.c, kernel_linear_avx2.c and
- * kernel_linear_avx512.c define WITH_LINEAR as 1 first. Without this definition the code for linear
- * windows is left out.
+ * kernel_linear_avx512.c define WITH_LINEAR as 1 first. Otherwise, the code for linear windows is
+ * omitted.
  *
- * A `lanes` holds LANES doubles, an `ids` as many 32-bit integers, a `mask` one truth value for
- * each lane. Arithmetic uses C's operators. `pick` selects by lane. `compress` moves the lanes of a
- * mask to the front. `after(carry, a)` shifts all lanes up by one and inserts the last lane of
- * `carry`. `ahead` shifts them down by one. `last_of` broadcasts lane count - 1. `bits` and
- * `mask_of` convert a mask to and from an integer. A `floats` holds FLOATS floats.
+ * A `lanes` holds LANES doubles, an `ids` LANES 32-bit integers, and a `mask` one truth value for
+ * each lane. Arithmetic uses C's operators. `pick(m, a, b)` has the lanes of `a` where m is true,
+ * and of `b` elsewhere. `compress` moves the lanes of a mask to the front. `after(carry, a)` shifts
+ * all lanes up by one and inserts the last lane of `carry`. `ahead` shifts them down by one.
+ * `last_of` broadcasts lane count - 1. `bits` and `mask_of` convert a mask to and from an integer.
+ * A `floats` holds FLOATS floats.
  *
  * In a side's frame the apex is p = (px, py) and a source (x, -y). For a point (b, 0) of the edge,
  * k(b) = (b - x)(py + y) - y (px - x) is negative if the ray through the point passes left of p. */

@@ -1,5 +1,5 @@
 /* Part of kernel_lanes.h: writes windows as wedges. */
-/* Returns true if a window starts behind the end of the window before it by more than the tolerance
+/* Returns true if there is a gap between two consecutive windows that is wider than the tolerance
  * for adjacent windows. */
 static bool has_gaps(const struct gd__windows *w, uint32_t count, double length)
 {
@@ -11,16 +11,17 @@ static bool has_gaps(const struct gd__windows *w, uint32_t count, double length)
     return false;
 }
 
-/* The destination of windows: the wedges behind the first gap, if there is one. */
+/* The wedges to which windows are written. If the chunk begins with a gap, they are the wedges
+ * after this gap. */
 struct storing {
     struct gd__wedges to; /* the wedges without the first gap */
-    double units;         /* start units per length */
-    double scale;         /* scale of x and y */
+    double units;         /* number of units of wedge starts per unit of length */
+    double scale;         /* factor by which x and y are multiplied before they are packed */
     uint64_t nibble;      /* mask of the bits of a source's number that x and y hold */
 };
 
-/* Writes a whole group from `at` on to each array in turn. Lanes outside `here` are also written,
- * behind the end of an array. They go to padding, or to the next array, which is written
+/* Writes a whole group to each array from index `at` on. Lanes outside `here` are also written,
+ * behind the end of an array: to padding, or to the beginning of the next array, which is written
  * afterwards. */
 static inline __attribute__((always_inline)) void
 store_group(const struct storing *s, uint32_t at, lanes b0, lanes x, lanes y, ids source, mask here)
@@ -37,8 +38,8 @@ static inline uint32_t last_group(uint32_t count)
     return (count - 1) & ~(uint32_t)(LANES - 1);
 }
 
-/* Writes the last group first. Its excess lanes overwrite the beginning of the next array, which
- * the other groups write afterwards. */
+/* Writes the last group first. Its unused lanes overwrite the beginning of the next array. The
+ * other groups then write this beginning again. */
 static void store_straight(const struct gd__windows *w, uint32_t count, const struct storing *s)
 {
     mask here = first_lanes(count - last_group(count));
@@ -49,8 +50,8 @@ static void store_straight(const struct gd__windows *w, uint32_t count, const st
     }
 }
 
-/* Writes windows from the last to the first. The groups of the last windows begin before the list,
- * in the block's own arrays or header. */
+/* Writes the windows in reverse order. The group that contains the list's first windows begins
+ * before the list. This memory belongs to the block's arrays or header, so it can be read. */
 static void store_mirrored(const struct gd__windows *w, uint32_t count, double length,
                            const struct storing *s)
 {
@@ -74,7 +75,7 @@ static void store_gap(const struct gd__wedges *to, uint32_t at, double b, double
 static bool store_wedges(const struct gd__windows *w, uint32_t count, double length, bool mirrored,
                          struct gd__chunk *out)
 {
-    /* linear windows have another form, see wedges.c */
+    /* linear windows are stored in another form, see window/wedges.c */
     if (WITH_LINEAR || has_gaps(w, count, length)) return false;
     bool before = w->b0[0] > GD_TOL_ADJACENT * length,
          behind = w->b1[count - 1] + GD_TOL_ADJACENT * length < length;
@@ -92,7 +93,7 @@ static bool store_wedges(const struct gd__windows *w, uint32_t count, double len
         store_mirrored(w, count, length, &s);
     else
         store_straight(w, count, &s);
-    whole.start[0] = 0; /* starts exactly at the edge's end */
+    whole.start[0] = 0; /* the first wedge starts exactly at the end of the edge */
     if (first) store_gap(&whole, 0, 0, s.units);
     if (last)
         store_gap(&whole, whole.count - 1, mirrored ? length - w->b0[0] : w->b1[count - 1],

@@ -18,7 +18,8 @@ typedef __m256d lanes;
 typedef __m256d mask;
 typedef __m128i ids;
 
-/* For each set of chosen lanes, the order of half lanes (32 bits) that moves them to the front. */
+/* For each set of lanes: the permutation of half lanes (32 bits) that moves these lanes to the
+ * front. */
 #define HALVES(a, b, c, d)                                                                         \
     {                                                                                              \
         2 * a, 2 * a + 1, 2 * b, 2 * b + 1, 2 * c, 2 * c + 1, 2 * d, 2 * d + 1                     \
@@ -188,7 +189,7 @@ static inline ids ids_reversed(ids a)
 
 static inline void store_starts(uint32_t *p, lanes start)
 {
-    /* added to a whole number below 2^32, it leaves that number in the low half of the double */
+    /* if this is added to a whole number below 2^32, the low half of the double is that number */
     const double two52 = 4503599627370496.0;
     __m256d whole = _mm256_round_pd(start, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC);
     __m256i low = _mm256_castpd_si256(_mm256_add_pd(whole, _mm256_set1_pd(two52)));

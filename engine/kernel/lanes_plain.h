@@ -173,7 +173,7 @@ static inline ids ids_pick(mask m, ids a)
     return m ? a : 0;
 }
 
-/* Stores the bits of source numbers that x and y do not hold, in the chunk's form. */
+/* Stores the bits of the source's number that x and y do not hold, in the chunk's form. */
 static inline void store_highs(const struct gd__wedges *to, uint32_t at, ids source)
 {
     if (to->form == GD__WEDGE_16) ((uint8_t *)to->high)[at] = (uint8_t)(source >> 8);

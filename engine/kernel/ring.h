@@ -1,20 +1,23 @@
-/* Rings: sets of vertices around the target of a guide, at increasing numbers of hops. Every path
- * to the target passes through all of them in turn, which gives a lower bound of its length.
- * Straight lines in space from ring to ring follow the surface better than one line to the target.
+/* Rings: sets of vertices and edges around the target of a guide, at increasing numbers of hops.
+ * Every path to the target passes through all rings, one after another. So the sum of the straight
+ * lines in space from ring to ring is a lower bound of its length. These lines follow the surface
+ * better than one straight line to the target.
  *
- * Hops of a vertex are counted from the target's corners, along edges between vertices that a path
- * within the bound may pass. Along such a path hops change by at most one from vertex to vertex. So
- * a path that crosses hop number k meets a vertex of k hops, or the edge between two such vertices.
- * These vertices and edges form the ring at k. The points of a ring are its vertices and the
- * middles of its edges. Between two points of an edge, the bound is interpolated linearly, less the
- * greatest error of this interpolation (ring_sag in kernel/kernel_ring.h). */
+ * The hops of a vertex are the number of edges from the target's corners to this vertex. Only edges
+ * between vertices that a path within the bound may pass are used. From vertex to vertex along such
+ * a path, the hops change by at most one. So a path to a vertex of more than k hops meets a vertex
+ * of k hops, or the edge between two such vertices. These vertices and edges form the ring at k.
+ * The points of a ring are its vertices and the middles of its edges. Between two points of an
+ * edge, the bound is interpolated linearly, and the greatest error of this interpolation is
+ * subtracted (ring_sag in kernel/kernel_ring.h). */
 #ifndef GD_KERNEL_RING_H
 #define GD_KERNEL_RING_H
 
 #include "mesh/anchor.h"
 
-#define GD__RING_LANES   8
-#define GD__RING_NOWHERE 1e18f /* a distance whose square fits in a float */
+#define GD__RING_LANES 8
+/* a very large distance whose square is still in the range of floats */
+#define GD__RING_NOWHERE 1e18f
 
 /* A position relative to the target, divided by the search's bound. */
 struct gd__place {
@@ -38,12 +41,12 @@ struct gd__rings {
     uint32_t count, capacity;
     struct gd__ring_group *group;
     uint32_t group_count, group_capacity;
-    uint32_t *hops; /* for each vertex, 1 + hops from the target; 0 if not marked */
+    uint32_t *hops; /* for each vertex, 1 + its hops from the target, or 0 if it is not marked */
     uint32_t vertices;
-    uint32_t *marked; /* vertices, in order of their hops */
+    uint32_t *marked; /* the marked vertices, in the order of their hops */
     uint32_t marked_count, marked_capacity;
     double bound; /* bound of the search */
-    float slack;  /* rounding of a step from ring to ring */
+    float slack;  /* rounding error of a step from ring to ring */
 };
 
 #endif
