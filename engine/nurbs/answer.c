@@ -54,7 +54,7 @@ static enum gd_status copy_pieces(const struct gd__candidate *candidate, struct 
 }
 
 /* Returns the length of a span of a curve that is not divided into cells. Integrates over many
- * short panels, because the surface is not smooth where its lines cross the span. */
+ * short intervals, because the surface is not smooth where its lines cross the span. */
 static double panel_length(const struct gd__chain *chain, const struct gd__piece *piece,
                            uint32_t span)
 {
@@ -95,7 +95,8 @@ static void answer_measure(const struct gd__candidate *candidate, struct gd_geod
     out->speed_defect = uneven / (out->length * out->length);
 }
 
-/* Computes parameter and angle at an end; 0 and pi / 2 for a point. */
+/* Computes the parameter and the angle at an end of the path. If the end is a point instead of a
+ * curve, they are 0 and pi / 2. */
 static void set_end(const struct gd__chain *chain, int side, double *parameter, double *angle)
 {
     const struct gd__joint *joint = &chain->joints[side ? chain->piece_count : 0];

@@ -9,7 +9,7 @@ GD_MUST_USE enum gd_status gd__answer_make(const struct gd__candidate *candidate
                                            const struct gd_domain_curve *const ends[2],
                                            struct gd_geodesic *out);
 
-/* Frees what gd__answer_make has allocated. */
+/* Frees the memory that gd__answer_make has allocated. */
 void gd__answer_free(struct gd_geodesic *geodesic);
 
 #endif

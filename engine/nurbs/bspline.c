@@ -15,8 +15,8 @@ static void raise_degree(uint32_t j, const double *knots, uint32_t span, double 
     n[j] = saved;
 }
 
-/* Computes the derivatives of the j + 1 functions of degree j from the j values (or derivatives) of
- * degree j - 1. */
+/* Computes the derivatives of the j + 1 functions of degree j from the values (or derivatives) of
+ * the j functions of degree j - 1. */
 static void differentiate(uint32_t j, const double *knots, uint32_t span, const double *lower,
                           double *out)
 {

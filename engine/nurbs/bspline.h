@@ -1,7 +1,8 @@
 /* B-spline basis: the degree + 1 functions that do not vanish on a knot span, with two derivatives.
  * Piegl and Tiller, The NURBS Book, section 2.2-2.5.
  *
- * The functions are evaluated as the polynomials of the span, even outside the span. */
+ * On a span, the functions are polynomials. Outside the span, the same polynomials are
+ * evaluated. */
 #ifndef GD_NURBS_BSPLINE_H
 #define GD_NURBS_BSPLINE_H
 
@@ -41,13 +42,13 @@ static inline uint32_t gd__interval(const double *sorted, uint32_t low, uint32_t
     return low;
 }
 
-/* Returns the span that contains `t`, in the domain [knots[degree], knots[count]]; at the upper
- * end, the last span. O(log count). */
+/* Returns the span that contains `t`, which must be in the domain [knots[degree], knots[count]]. At
+ * the upper end, returns the last span. O(log count). */
 uint32_t gd__basis_span(uint32_t degree, uint32_t count, const double *knots, double t);
 
 /* Validates the count + degree + 1 knots of a curve. Error: GD_INVALID_ARGUMENT (a knot is not
- * finite or decreases, an inner knot is repeated so often that the curve has a gap, or the domain
- * is empty). */
+ * finite or decreases, an inner knot is repeated so often that the curve is not continuous, or the
+ * domain is empty). */
 GD_MUST_USE enum gd_status gd__knots_check(uint32_t degree, uint32_t count, const double *knots,
                                            struct gd_detail *detail);
 

@@ -7,10 +7,10 @@
 #include "base/tolerance.h"
 #include "nurbs/energy.h"
 
-enum { DETOUR = 8 }; /* number of directions tried around a pole */
+enum { DETOUR = 8 }; /* number of steps of a detour around a pole */
 
-/* Fraction of the domain's width: a seed nearer to a pole than this may lead to a path through the
- * pole or on its other side. */
+/* As a fraction of the domain's width: if a seed is nearer to a pole than this, the path may pass
+ * through the pole or on its other side. */
 static const double near_pole = 0.08;
 
 void gd__candidate_free(struct gd__candidate *candidate)
@@ -34,8 +34,8 @@ bool gd__candidate_is_minimum(const struct gd__candidate *candidate)
     return true;
 }
 
-/* Finds the interval of a curve that follows (step 1) or precedes (step -1) the parameter *s, and
- * wraps *s. Returns false if the curve ends there. */
+/* Finds the interval of a curve after (step 1) or before (step -1) the parameter *s. Wraps *s if
+ * the curve is closed. Returns false if the curve ends there. */
 static bool interval_beside(const struct gd_domain_curve *curve, int step, double *s,
                             uint32_t *interval)
 {
@@ -68,8 +68,8 @@ static bool leaving(const struct gd_domain_curve *curve, double s, int step, str
     return false;
 }
 
-/* Returns true if the end of the path is minimal. Returns false if the end is in a pole that a
- * curve passes and a path to a nearby point of the curve is shorter. */
+/* Returns false if the end of the path is in a pole that a curve passes, and a path to a nearby
+ * point of the curve is shorter. Otherwise returns true. */
 static bool candidate_is_held(const struct gd__candidate *candidate, int side)
 {
     const struct gd__chain *chain = candidate->part[side ? candidate->parts - 1 : 0].chain;
@@ -170,7 +170,8 @@ struct gd__joint gd__joint_of_end(const struct gd_domain_curve *curve, double s,
 {
     const struct gd_parametric *surface = curve->surface;
     if (curve->is_point) {
-        for (int k = 0; k < 2; k++) /* all places of a pole's border are the same point */
+        /* all places on the border of a pole are the same point of the surface */
+        for (int k = 0; k < 2; k++)
             if (gd__surface_pole(surface, k, at[k])) return gd__joint_on_line(surface, k, at);
         return (struct gd__joint){.kind = GD__JOINT_FIXED, .place = {at[0], at[1]}};
     }
@@ -210,7 +211,7 @@ struct visit {
     bool exact;     /* true if the place is in the pole */
 };
 
-/* Finds the pole nearest to a polyline. Returns false if none is near. */
+/* Finds the pole that is nearest to a polyline. Returns false if no pole is near. */
 static bool find_visit(const struct gd_parametric *surface, const struct gd__uv_polyline *polyline,
                        struct visit *out)
 {
@@ -287,8 +288,8 @@ static enum gd_status solve_through(const struct gd__task *task, const struct gd
     return status;
 }
 
-/* Computes a path around the pole on one side: from the polyline before the pole to the polyline
- * after it, shifted by `turn` periods. */
+/* Computes a path that passes the pole on one side. Makes its initial polyline from the polyline
+ * before the pole, a detour, and the polyline after the pole, shifted by `turn`. */
 static enum gd_status solve_beside(const struct gd__task *task, const struct gd__joint ends[2],
                                    const struct gd__uv_polyline *polyline,
                                    const struct visit *visit, double turn,

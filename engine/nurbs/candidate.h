@@ -12,26 +12,25 @@
 struct gd__candidate {
     /* 2 if the path passes through a pole, where the first solution ends and the second begins */
     uint32_t parts;
-    bool tip; /* the path ends in a pole that a curve passes */
+    bool tip; /* true if the path ends in a pole that a curve passes */
     /* True if the path passes through or near a pole, where a coarse curve is much too long. */
     bool by_pole;
     struct gd__solution part[2];
-    /* number of the first candidate of its family of equally long paths; and whether that family
+    /* number of the first candidate of its family of equally long paths; and true if this family
        has other members */
     uint32_t family;
     bool is_family;
     uint32_t trims; /* number of times that the path was trimmed */
-    /* The length of the path, and the points of the path after a quarter and a half of this length.
-     * These members identify a path. Until gd__candidate_finish is called, they are those of the
-     * coarse curve. */
+    /* These members identify a path: its length, and its points after a quarter and a half of the
+     * length. Until gd__candidate_finish is called, they describe the coarse curve. */
     double coarse;
     struct gd_vec3 quarter, middle;
 };
 
 /* Computes at most GD__CANDIDATES_MOST coarse candidates along a seed. Near a pole, candidates are
- * also made for paths through the pole and on its other side. If a seed ends in a pole, a path with
- * its end fixed there is a candidate too, because a free end only approaches a pole. Errors: those
- * of gd__newton. */
+ * also made for paths through the pole and on its other side. If a seed ends in a pole, a path
+ * whose end is fixed there is also a candidate, because Newton's method moves a free end only close
+ * to the pole. Errors: those of gd__newton. */
 GD_MUST_USE enum gd_status gd__candidates_of_seed(const struct gd__task *task,
                                                   const struct gd_domain_curve *const ends[2],
                                                   const struct gd__path_seed *seed,
@@ -41,7 +40,8 @@ GD_MUST_USE enum gd_status gd__candidates_of_seed(const struct gd__task *task,
 GD_MUST_USE enum gd_status gd__candidate_finish(const struct gd__task *task,
                                                 struct gd__candidate *candidate);
 
-/* Returns the joint of a path's end at the place `at`, which is the curve's place at s. */
+/* Returns the joint at an end of a path. The end is on the curve, at the parameter s and the place
+ * `at`. */
 struct gd__joint gd__joint_of_end(const struct gd_domain_curve *curve, double s,
                                   const double at[2]);
 
@@ -60,12 +60,12 @@ bool gd__candidate_is_geodesic(const struct gd__task *task, const struct gd__can
 /* Sets `coarse`, `quarter` and `middle`, which identify a path. */
 void gd__candidate_identify(const struct gd_parametric *surface, struct gd__candidate *candidate);
 
-/* Returns the parameter of the path's beginning (side 0) or end (side 1) on its curve; 0 on a
- * point. */
+/* Returns the parameter of the path's beginning (side 0) or end (side 1) on its curve, or 0 if the
+ * curve is a point. */
 double gd__candidate_parameter(const struct gd__candidate *candidate, int side);
 
-/* Computes the winding numbers of the path. If the path begins at the first curve's place, it ends
- * at the second curve's place plus out[k] periods in direction k. */
+/* Computes the winding numbers of the path: if its beginning has the coordinates of the first
+ * curve, its end has those of the second curve plus out[k] periods in direction k. */
 void gd__candidate_turns(const struct gd__candidate *candidate,
                          const struct gd_domain_curve *const ends[2], int32_t out[2]);
 

@@ -61,16 +61,18 @@ enum gd__joint_kind { GD__JOINT_FIXED, GD__JOINT_CURVE, GD__JOINT_LINE };
 struct gd__joint {
     enum gd__joint_kind kind;
     double at;        /* the unknown: parameter on the curve, or coordinate along the line */
-    double low, high; /* bounds of `at`, possibly infinite */
-    /* FIXED: the joint's place. CURVE: whole periods that are added to the curve's places. */
+    double low, high; /* bounds of `at`, which may be infinite */
+    /* For FIXED, the joint's place. For CURVE, the whole periods that are added to the curve's
+       places. */
     double place[2];
-    /* CURVE: the borrowed curve. With `whole` all of it is used, else the polynomial of
-       `interval`. */
+    /* For CURVE, the curve (borrowed). If `whole`, the joint can be anywhere on it. Otherwise only
+       the polynomial of `interval` is used. */
     const struct gd_domain_curve *curve;
     uint32_t interval;
     bool whole;
-    /* LINE: coordinate `axis` has the constant `value`. If the line is a pole that a curve passes,
-       `curve` is that curve and `passes` its parameter at the pole; otherwise `curve` is NULL. */
+    /* For LINE, coordinate `axis` has the constant `value`. If the line is a pole that a curve
+       passes, `curve` is this curve and `passes` its parameter at the pole. Otherwise `curve` is
+       NULL. */
     int axis;
     double value, passes;
 };
@@ -82,11 +84,11 @@ struct gd__node {
 
 struct gd__piece {
     struct gd__cell cell;
-    bool whole; /* `cell` is unused */
+    bool whole; /* true if the piece crosses cells; `cell` is then unused */
     uint32_t spans;
-    double *knots;          /* spans + 1 + 2 degree, clamped */
-    double (*points)[2];    /* spans + degree */
-    struct gd__node *nodes; /* spans * gauss points */
+    double *knots;          /* spans + 1 + 2 degree knots, clamped */
+    double (*points)[2];    /* spans + degree control points */
+    struct gd__node *nodes; /* one for each quadrature point of each span */
 };
 
 struct gd__chain {
@@ -94,7 +96,7 @@ struct gd__chain {
     uint32_t degree, piece_count;
     struct gd__piece *pieces;
     struct gd__joint *joints; /* piece_count + 1 */
-    struct gd__pace *pace;    /* borrowed; loops over spans check this pace */
+    struct gd__pace *pace;    /* borrowed; loops over spans count their steps with it */
 };
 
 static inline uint32_t gd__piece_points(const struct gd__chain *chain,
@@ -119,12 +121,13 @@ size_t gd__chain_bytes(uint32_t degree, uint32_t piece_count, const uint32_t *sp
 /* Computes the quadrature nodes from the knots. */
 void gd__chain_prepare(struct gd__chain *chain);
 
-/* Returns a joint that slides along a line of the domain. The line passes through the place `at`,
+/* Returns a joint that can move along a line of the domain. The line passes through the place `at`,
  * and coordinate `axis` is constant on it. */
 struct gd__joint gd__joint_on_line(const struct gd_parametric *surface, int axis,
                                    const double at[2]);
 
-/* Computes a joint's place at the unknown `at`, and two derivatives by the unknown. */
+/* Computes the place of a joint for the value `at` of its unknown, and the first two derivatives by
+ * the unknown. */
 void gd__joint_jet(const struct gd__joint *joint, double at, struct gd__curve_jet *out);
 
 /* Sets the pieces' end points to the joints' places. */
@@ -134,7 +137,7 @@ void gd__chain_attach(struct gd__chain *chain);
 void gd__piece_node(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
                     int node, struct gd__curve_jet *out);
 
-/* Computes c, c', c'' of a piece at t in a span. */
+/* Computes c, c', c'' of a piece at the parameter t in a span. */
 void gd__piece_at(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
                   double t, struct gd__curve_jet *out);
 
@@ -142,7 +145,7 @@ void gd__piece_at(const struct gd__chain *chain, const struct gd__piece *piece, 
 void gd__piece_jet(const struct gd__chain *chain, const struct gd__piece *piece, const double at[2],
                    struct gd_jet *out);
 
-/* Returns the velocity in space at the beginning (side 0) or the end (side 1) of a chain; sets *x
+/* Returns the velocity in space at the beginning (side 0) or the end (side 1) of a chain. Sets *x
  * to the surface's jet there. */
 struct gd_vec3 gd__chain_velocity(const struct gd__chain *chain, int side, struct gd_jet *x);
 

@@ -8,7 +8,7 @@
 
 enum { STEPS = 64, BISECTIONS = 60 };
 
-/* Height of an arc beside the straight line, in widths of the domain. */
+/* Height of an arc over the straight line, as a fraction of the domain's width. */
 static const double arc_height = 0.2;
 
 /* --- by winding numbers ----------------------------------------------------------------------- */
@@ -81,8 +81,8 @@ static double narrow(const struct gd_domain_curve *curve, double low, double hig
     return 0.5 * (low + high);
 }
 
-/* Finds the place of the curve `end` that is nearest to a place of the surface. Sets *s to its
- * parameter, and *apart to the distance of both places in space. */
+/* Finds the place of the curve `end` that is nearest to a place of the surface. Sets *s to the
+ * parameter of this place, and *apart to the distance of the two places in space. */
 static enum gd_status find_nearest(const struct gd_domain_curve *end, const double at[2],
                                    struct gd__pace *pace, double *s, double *apart)
 {
@@ -116,7 +116,8 @@ static enum gd_status follow_curve(const struct gd_domain_curve *initial, struct
     if (status) return status;
     for (uint32_t i = 0; i < count && !status && gd__pace(pace, GD__STEP); i++) {
         struct gd__curve_jet jet;
-        /* gd_domain_curve_at can't be used: it wraps the end of a closed curve to its beginning */
+        /* gd_domain_curve_at cannot be used, because it wraps the end of a closed curve to its
+           beginning */
         gd__curve_jet(initial, places[i], &jet);
         status = gd__uv_polyline_add(out, jet.at);
     }

@@ -13,8 +13,9 @@ struct gd__class {
 };
 
 /* Number of initial paths of a class: the straight line of the domain, and arcs on both sides of
- * it. The straight line may lead to a geodesic that is not minimal, as on the outer equator of a
- * torus. In this case the arcs lead to the minimal paths on both sides of it. */
+ * it. From the straight line, Newton's method may find a geodesic that is not minimal, for example
+ * the outer equator of a torus. In this case it finds the minimal paths on both sides from the
+ * arcs. */
 #define GD__CLASS_SHAPES 3
 
 /* Makes initial path `shape` of a class. Error: GD_NO_MEMORY. */
@@ -22,9 +23,9 @@ GD_MUST_USE enum gd_status gd__class_seed(const struct gd_domain_curve *const en
                                           const struct gd__class *in, uint32_t shape,
                                           struct gd__path_seed *out);
 
-/* Makes an initial path along a curve from the first end to the second. Errors: GD_INVALID_ARGUMENT
- * (the curve is a point, or does not run from the first end to the second), GD_NO_MEMORY, and those
- * of the pace. */
+/* Makes an initial path that follows a curve from the first end to the second. Errors:
+ * GD_INVALID_ARGUMENT (the curve is a point, or does not run from the first end to the second),
+ * GD_NO_MEMORY, and those of the pace. */
 GD_MUST_USE enum gd_status gd__initial_seed(const struct gd_domain_curve *const ends[2],
                                             const struct gd_domain_curve *initial,
                                             struct gd__pace *pace, struct gd__path_seed *out,

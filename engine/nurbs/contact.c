@@ -9,13 +9,13 @@
 #include "nurbs/energy.h"
 
 enum {
-    HALVINGS = 24, /* limit on halvings of an interval of the quadrature */
+    HALVINGS = 24, /* largest number of halvings of an interval of the quadrature */
     PARTS_LEAST = 4,
-    PROBES = 64 /* places at which the curvature of a contact is computed */
+    PROBES = 64 /* number of places at which the curvature of a contact is computed */
 };
 
-/* Sine of an angle. If a polyline turns by more than this angle, the obstacle is on the inner side
- * of the turn. */
+/* Sine of an angle. If a polyline turns by more than this angle at a loop, the obstacle is on the
+ * inner side of the turn. */
 static const double clear_turn = 1e-2;
 
 static const struct gd__span *contact_span(const struct gd_parametric *surface,
@@ -25,7 +25,7 @@ static const struct gd__span *contact_span(const struct gd_parametric *surface,
     return &loops->spans[loops->loops[contact->loop].first_span + contact->span];
 }
 
-/* Computes place, velocity and acceleration in space, in the direction of the loop. */
+/* Computes place, velocity and acceleration in space of the loop, in the direction of the loop. */
 static struct gd_vec3 contact_jet(const struct gd_parametric *surface,
                                   const struct gd__contact *contact, double t,
                                   struct gd__curve_jet *c, struct gd_jet *x)
@@ -79,8 +79,8 @@ static double contact_gauss(const struct gd_parametric *surface, const struct gd
     return sum * (high - low);
 }
 
-/* Integrates the speed, halving intervals until the halves agree: the surface may not be smooth
- * where its lines cross the loop. */
+/* Integrates the speed. Halves intervals until the result no longer changes, because the surface
+ * may not be smooth where its lines cross the loop. */
 static double integrate(const struct gd_parametric *surface, const struct gd__contact *contact,
                         double low, double high, int halvings, struct gd__pace *pace, double *error)
 {
@@ -167,7 +167,8 @@ enum gd_status gd__contacts_insert(const struct gd_parametric *surface,
     if (status) return status;
     contacts->items[index] = *contact;
     if (!is_corner) return GD_OK;
-    /* at a corner: the end of the span before it, and the beginning of the span after it */
+    /* at a corner, there are two contacts: at the end of the span before the corner, and at the
+       beginning of the span after it */
     uint32_t spans = surface->loops->loops[contact->loop].span_count;
     struct gd__contact before = *contact;
     before.span = (contact->span + spans - 1) % spans;
@@ -188,7 +189,8 @@ void gd__taut_parts_free(struct gd__taut_parts *parts)
 }
 
 /* Returns the direction of a contact at place i of a polyline: 1 if the polyline turns right there,
- * -1 if it turns left. At a straight place: 1 if it runs in the direction of the loop, else -1. */
+ * -1 if it turns left. If it is straight there, returns 1 if it runs in the direction of the loop,
+ * and -1 otherwise. */
 static int touch_direction(const struct gd_parametric *surface,
                            const struct gd__uv_polyline *polyline, uint32_t i,
                            const struct gd__loop_place *place)
@@ -207,7 +209,8 @@ static int touch_direction(const struct gd_parametric *surface,
     return along >= 0 ? 1 : -1;
 }
 
-/* Returns the change of s from one place of a loop to another, the shorter way around. */
+/* Returns the change of s from one place of a loop to another, in the direction in which it is
+ * shorter. */
 static double loop_step(const struct gd__loops *loops, const struct gd__loop_place *from,
                         const struct gd__loop_place *to)
 {
@@ -219,7 +222,9 @@ struct division {
     const struct gd_parametric *surface;
     const struct gd__uv_polyline *polyline;
     struct gd__taut_parts *parts;
-    struct gd__loop_place *places; /* one for each place of the polyline; distance INFINITY: far */
+    /* for each place of the polyline, the nearest place of the loops; its distance is INFINITY if
+       the polyline is not on a loop */
+    struct gd__loop_place *places;
 };
 
 static enum gd_status open_gap(struct gd__taut_parts *parts, const double at[2])
@@ -284,8 +289,8 @@ static enum gd_status add_arc(struct division *d, uint32_t i, uint32_t k, double
     return status;
 }
 
-/* Extends the run that begins at place i while the polyline follows the loop. Returns its last
- * place, and the change of s. */
+/* Returns the last place up to which the polyline follows the loop from place i on, and sets *run
+ * to the change of s. */
 static uint32_t follow_loop(const struct division *d, uint32_t i, double *run)
 {
     const struct gd__loops *loops = d->surface->loops;

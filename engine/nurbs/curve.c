@@ -93,7 +93,8 @@ enum gd_status gd__curve_places(const struct gd_domain_curve *curve,
 
 /* --- breaks ----------------------------------------------------------------------------------- */
 
-enum { LOOKS = 32 }; /* steps of a polynomial piece that are tested for crossings of lines */
+/* number of steps of a polynomial piece; each step is tested for crossings of lines */
+enum { LOOKS = 32 };
 
 struct breaking {
     uint32_t capacity;
@@ -138,8 +139,8 @@ static bool crosses_several(const struct gd_parametric *surface, const double a[
     return false;
 }
 
-/* Appends the crossings within one step of a polynomial piece, in order. A step that crosses
- * several lines of one direction is halved. */
+/* Appends the crossings with lines within one step of a polynomial piece, in their order. If a step
+ * crosses several lines of one direction, it is halved. */
 static enum gd_status break_step(struct gd_domain_curve *curve, struct breaking *breaking,
                                  uint32_t span, double a, double b)
 {
@@ -163,7 +164,8 @@ static enum gd_status break_step(struct gd_domain_curve *curve, struct breaking 
     return status;
 }
 
-/* Returns true if a polynomial piece lies in one cell, because its control points do. */
+/* Returns true if all control points of a polynomial piece lie in one cell. The piece then lies in
+ * this cell too. */
 static bool is_in_one_cell(const struct gd_domain_curve *curve, uint32_t span)
 {
     const double(*points)[2] = (const double(*)[2])curve->points + (span - curve->degree);
@@ -195,7 +197,8 @@ static enum gd_status find_breaks(struct gd_domain_curve *curve, const struct gd
 
 /* --- construction ----------------------------------------------------------------------------- */
 
-/* Determines whether the curve is closed: both ends are the same place, or whole periods apart. */
+/* Determines whether the curve is closed: its ends are the same place, or differ by whole
+ * periods. */
 static void find_closure(struct gd_domain_curve *curve)
 {
     struct gd__curve_jet from, to;
@@ -212,7 +215,7 @@ static void find_closure(struct gd_domain_curve *curve)
     if (!curve->closed) curve->winding[0] = curve->winding[1] = 0;
 }
 
-/* Returns true if a place is so many periods from the domain that its coordinates are too
+/* Returns true if a place is so many periods away from the domain that its coordinates are too
  * imprecise. */
 static bool is_far(const struct gd_parametric *surface, const double at[2])
 {
@@ -246,7 +249,7 @@ static enum gd_status check_places(const struct gd_parametric *surface, const do
     return GD_OK;
 }
 
-/* Creates a curve from validated arrays; degree 0 with one control point makes a point. */
+/* Creates a curve from validated arrays. With degree 0 and one control point, it is a point. */
 static enum gd_status nurbs_curve_make(const struct gd_parametric *surface, uint32_t degree,
                                        const double *knots, const double (*points)[2],
                                        uint32_t count, const struct gd_control *control,

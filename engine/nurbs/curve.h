@@ -34,9 +34,10 @@ void gd__curve_jet(const struct gd_domain_curve *curve, double s, struct gd__cur
 void gd__curve_jet_in(const struct gd_domain_curve *curve, uint32_t i, double s,
                       struct gd__curve_jet *out);
 
-/* Lists parameters in ascending order: at least `each` in each interval and `least` on the whole
- * curve, but not many more than `most`. The end of a closed curve is included only with `with_end`.
- * A point has the single parameter 0. The caller frees *out. Error: GD_NO_MEMORY. */
+/* Lists parameters in ascending order: at least `each` in each interval and at least `least` on the
+ * whole curve, but not many more than `most`. The end of a closed curve is included only if
+ * `with_end` is set. The list of a point has only the parameter 0. The caller frees *out. Error:
+ * GD_NO_MEMORY. */
 struct gd__curve_places {
     uint32_t each, least, most;
     bool with_end;
@@ -48,8 +49,8 @@ GD_MUST_USE enum gd_status gd__curve_places(const struct gd_domain_curve *curve,
 /* Returns the interval of breaks that contains s, which must be in range. */
 uint32_t gd__curve_interval(const struct gd_domain_curve *curve, double s);
 
-/* Returns s, wrapped (closed curve) or clamped into the range. Sets *turns to the number of periods
- * removed. */
+/* Returns s, moved into the range: wrapped for a closed curve, clamped for another one. Sets *turns
+ * to the number of periods that were removed. */
 double gd__curve_reduce(const struct gd_domain_curve *curve, double s, double *turns);
 
 #endif

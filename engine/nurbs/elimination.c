@@ -101,8 +101,9 @@ static bool factor_interior(const struct gd__chain *chain, struct gd__part *part
     return band_factor(unknowns, width, part->factor);
 }
 
-/* Returns the curvature term of the curve on which an end slides: the curve's acceleration along
- * the path. Sets *weight to the squared speed. */
+/* An end of the path can move along a curve. Returns the component of the curve's acceleration
+ * along the path, which is a term of the second derivative. Sets *weight to the squared speed of
+ * the curve. */
 static double end_bend(const struct gd__chain *chain, const struct gd__piece *piece,
                        const struct gd__curve_jet *end, int side, double *weight)
 {
@@ -124,7 +125,8 @@ static double dot_free(const struct gd__part *part, uint32_t unknowns, const dou
     return sum;
 }
 
-/* Eliminates the interior of a piece. Returns false if its Hessian is not positive definite. */
+/* Eliminates the interior unknowns of a piece. Returns false if their Hessian is not positive
+ * definite. */
 static bool elimination_reduce(const struct gd__chain *chain, const struct gd__piece *piece,
                                enum gd__hessian kind, struct gd__part *part)
 {

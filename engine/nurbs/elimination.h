@@ -15,12 +15,13 @@ enum {
 struct gd__part {
     struct gd__energy energy;
     double length;
-    double *factor;                       /* laid out as energy.hessian */
-    double *solution[GD__PART_SOLUTIONS]; /* 2 n each */
-    /* for each unknown, true if it is fixed in this step, because it belongs to an end or is held
-       on a border */
+    double *factor;                       /* has the same layout as energy.hessian */
+    double *solution[GD__PART_SOLUTIONS]; /* arrays of 2 n numbers */
+    /* for each unknown, true if it is constant in this step, because it belongs to an end of the
+       piece or is held on a border */
     bool *held;
-    struct gd__curve_jet end[2]; /* jets of the joints' places */
+    /* places of the joints, with derivatives by the joints' unknowns */
+    struct gd__curve_jet end[2];
     /* derivatives of E by the joints' unknowns, if the interior points are fixed */
     double slope[2];
     /* derivatives of E by the joints' unknowns, if the interior points always minimise E */

@@ -21,10 +21,11 @@ double gd__energy_value(const struct gd__chain *chain, const struct gd__piece *p
     return sum;
 }
 
-/* Terms of the Hessian at a node. d is the velocity d/dt x of the piece, and x_a the surface's
- * derivative by coordinate a. With J_ia = N_i' x_a + N_i y_a, y_a = d/dt x_a: J_ia . J_jb = N_i'
- * N_j' metric + N_i' N_j mixed[a][b] + N_i N_j' mixed[b][a] + N_i N_j square. `square` also
- * includes the terms of make_covariant. */
+/* Terms of the Hessian at a node. Let d be the velocity d/dt x of the piece, x_a the surface's
+ * derivative by coordinate a, and y_a = d/dt x_a. The derivative of d by coordinate a of control
+ * point i is J_ia = N_i' x_a + N_i y_a. Then J_ia . J_jb = N_i' N_j' metric[a][b] + N_i' N_j
+ * mixed[a][b] + N_i N_j' mixed[b][a] + N_i N_j square[a][b]. `square` also includes the terms of
+ * make_covariant. */
 struct forms {
     double linear[2], slope[2]; /* d . y_a, d . x_a */
     double metric[2][2], mixed[2][2], square[2][2];

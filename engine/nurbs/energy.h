@@ -2,7 +2,7 @@
  * respect to the control points.
  *
  * Source: W.-H. Chen, "Improvement of the shortest path problem with geodesic-like method",
- * equation (9), with the derivative added that the printed equation omits. The Hessian is the
+ * equation (9), with a derivative that is missing in the printed equation. The Hessian is the
  * second variation of energy, int |V'|^2 - K |V x T|^2, do Carmo, Riemannian Geometry, section
  * 9.2. */
 #ifndef GD_NURBS_ENERGY_H
@@ -10,14 +10,15 @@
 
 #include "nurbs/chain.h"
 
-/* NEWTON: the covariant Hessian, which is indefinite if the piece is longer than a shortest path
- * can be. GAUSS: int J^T J with J = d/dq of d/dt x, which is positive semidefinite. */
+/* NEWTON: the covariant Hessian. It is indefinite if the piece is longer than a shortest path can
+ * be. GAUSS: the integral of J^T J, where J is the derivative of the velocity d/dt x by the control
+ * points. It is always positive semidefinite. */
 enum gd__hessian { GD__HESSIAN_NEWTON, GD__HESSIAN_GAUSS };
 
-/* For n control points. Unknown 2 i + k is coordinate k of point i. */
+/* Energy and derivatives for n control points. Unknown 2 i + k is coordinate k of point i. */
 struct gd__energy {
     double value;
-    double *gradient; /* 2 n */
+    double *gradient; /* 2 n numbers */
     double *hessian;  /* 2 n rows of a band matrix of width gd__energy_width */
 };
 
@@ -29,7 +30,7 @@ static inline uint32_t gd__energy_width(const struct gd__chain *chain)
 /* Computes only E. O(spans). All functions of this file end early if the chain's pace stops. */
 double gd__energy_value(const struct gd__chain *chain, const struct gd__piece *piece);
 
-/* Computes energy, gradient and Hessian into arrays of the caller. O(spans degree^2). */
+/* Computes energy, gradient and Hessian. The caller provides the arrays. O(spans degree^2). */
 void gd__energy_expand(const struct gd__chain *chain, const struct gd__piece *piece,
                        enum gd__hessian kind, struct gd__energy *out);
 
@@ -38,8 +39,8 @@ void gd__energy_expand(const struct gd__chain *chain, const struct gd__piece *pi
 void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
                      double *bend, double *length);
 
-/* Returns the error of a length from gd__energy_bend: its difference from the same rule on both
- * halves of the span. */
+/* Estimates the error of a length from gd__energy_bend: returns the difference from the length that
+ * the same quadrature rule gives on the two halves of the span. */
 double gd__energy_uneven(const struct gd__chain *chain, const struct gd__piece *piece,
                          uint32_t span, double length);
 

@@ -6,11 +6,12 @@
 
 enum { STEPS = 64, PARTS = 8 };
 
-/* Fraction of the path's length. If the middle of a path is nearer than this to the middle of a
- * member, the path is the member itself, and does not show that the family continues. */
+/* As a fraction of the path's length: if the middle of a path is nearer than this to the middle of
+ * a member of a family, the path is this member itself. It does not prove that there are paths
+ * between the members. */
 static const double apart = 1e-4;
-/* Fraction of the distance between the two paths' ends. The end of a path between the two may lie
- * this far from the middle of their ends. */
+/* As a fraction of the distance between the ends of two paths: the end of a path between them may
+ * be this far from the middle of their ends. */
 static const double still = 0.1;
 /* Polylines between members of a family are longer than the members by less than this fraction. */
 static const double bulge = 0.02;
@@ -26,7 +27,8 @@ static void place_after(const struct gd__uv_polyline *polyline, double part, dou
     gd__uv_polyline_at(polyline, gd__uv_polyline_position(polyline, run, 0), at);
 }
 
-/* Interpolates the parameters of the ends between those of both paths, at the fraction `part`. */
+/* Sets the parameters of the seed's ends by interpolation between those of the two paths, at the
+ * fraction `part`. */
 static void put_ends_between(const struct gd_domain_curve *const ends[2],
                              const struct gd__candidate *const pair[2], double part,
                              struct gd__path_seed *seed)
@@ -71,8 +73,8 @@ static enum gd_status seed_between(const struct gd_domain_curve *const ends[2],
 }
 
 /* Returns true if Newton's method hardly moved the ends of a path along their curves. The ends move
- * far if the two paths belong to separate families, such as families at both sides of a corner, and
- * no path between the families is equally long. */
+ * far if the two paths belong to different families without equally long paths in between, for
+ * example to families on the two sides of a corner. */
 static bool has_stayed(const struct gd_domain_curve *const ends[2],
                        const struct gd__candidate *const pair[2], const struct gd__path_seed *seed,
                        const struct gd__candidate *candidate)
@@ -98,8 +100,8 @@ static bool is_between(const struct gd__task *task, const struct gd__candidate *
            gd_vec3_distance(candidate->middle, pair[1]->middle) > far;
 }
 
-/* Sets *is_level if no polyline between the paths is much longer than the paths. A polyline is much
- * longer, for example, at a corner between two families. */
+/* Makes polylines between the two paths. Sets *is_level to true if none of them is much longer than
+ * the paths. A polyline is much longer, for example, at a corner between two families. */
 static enum gd_status find_level(const struct gd_domain_curve *const ends[2],
                                  const struct gd__candidate *const pair[2], bool *is_level)
 {

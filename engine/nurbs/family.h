@@ -1,5 +1,5 @@
-/* Family: equally long paths that can be moved continuously into each other, such as those between
- * parallel lines. */
+/* Family: equally long paths that can be moved continuously into each other, for example the
+ * shortest paths between two parallel lines. */
 #ifndef GD_NURBS_FAMILY_H
 #define GD_NURBS_FAMILY_H
 

@@ -1,5 +1,5 @@
-/* Fits a chain to a polyline: finds the cells that the polyline passes, and makes one piece in
- * each. */
+/* Fits a chain to a polyline: finds the cells through which the polyline passes, and makes one
+ * piece in each cell. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,7 @@ enum { CUTS_MOST = 65536 };
 struct cut {
     double position;    /* position on the polyline */
     int axis;           /* direction of the line that the polyline crosses here */
-    double line, along; /* the line's coordinate, and the place's other coordinate */
+    double line, along; /* coordinate of the line, and the other coordinate of the place */
     struct gd__cell next;
 };
 
@@ -59,7 +59,8 @@ static bool is_inside(const struct gd_parametric *surface, struct gd__cell cell,
     return true;
 }
 
-/* Returns the first place from `from` on that is outside the cell; polyline->count if none is. */
+/* Returns the first place from `from` on that is outside the cell, or polyline->count if there is
+ * none. */
 static uint32_t first_outside(const struct gd_parametric *surface,
                               const struct gd__uv_polyline *polyline, struct gd__cell cell,
                               uint32_t from)
@@ -82,7 +83,7 @@ static struct gd__cell first_cell(const struct gd_parametric *surface,
                     best = base;
     uint32_t longest = 0;
     for (int i = 0; i < 9; i++) {
-        /* begins with the place's own cell */
+        /* the cell of the place itself comes first */
         static const int32_t offsets[] = {0, -1, 1};
         struct gd__cell cell = {{base.index[0] + offsets[i / 3], base.index[1] + offsets[i % 3]}};
         if (!exists(surface->axis[0], cell.index[0]) || !exists(surface->axis[1], cell.index[1]))
@@ -95,8 +96,8 @@ static struct gd__cell first_cell(const struct gd_parametric *surface,
 
 /* --- crossings -------------------------------------------------------------------------------- */
 
-/* Returns the fraction of the segment from a to b at which it leaves the slab, and sets *side;
- * INFINITY if it stays inside. */
+/* Returns the fraction of the segment from a to b at which it leaves the slab, and sets *side.
+ * Returns INFINITY if the segment stays inside. */
 static double leaves(const struct slab *slab, double a, double b, int *side)
 {
     double line = b > slab->high + slab->slack  ? slab->high
@@ -107,7 +108,7 @@ static double leaves(const struct slab *slab, double a, double b, int *side)
     return a == b ? 0 : fmin(fmax((line - a) / (b - a), 0), 1);
 }
 
-/* Returns the cut on the segment that ends at place i. This is the first place outside `cell`. */
+/* Returns the cut on the segment that ends at place i, the first place outside `cell`. */
 static struct cut find_cut(const struct gd_parametric *surface,
                            const struct gd__uv_polyline *polyline, struct gd__cell cell, uint32_t i,
                            double corner)
@@ -128,7 +129,7 @@ static struct cut find_cut(const struct gd_parametric *surface,
     double width = slab[1 - k].high - slab[1 - k].low;
     double near = isfinite(width) ? corner * width : slab[1 - k].slack * corner / GD_TOL_CELL;
     for (int s = -1; s <= 1; s += 2) {
-        /* near a corner of cells, continues directly in the opposite cell */
+        /* near a corner of cells, the path continues directly in the opposite cell */
         double line = s > 0 ? slab[1 - k].high : slab[1 - k].low;
         uint32_t ahead = i + 2 < polyline->count ? i + 2 : polyline->count - 1;
         if (fabs(cut.along - line) <= near &&
@@ -164,8 +165,8 @@ static double run_at(const struct gd__uv_polyline *polyline, double position)
     return polyline->arc[i] + (position - i) * (polyline->arc[i + 1] - polyline->arc[i]);
 }
 
-/* Sets control points at the Greville abscissae, which reproduces straight parts of the
- * polyline. */
+/* Sets the control points to the polyline's places at the Greville abscissae. So straight parts of
+ * the polyline stay straight. */
 static void fit_fill(const struct gd__chain *chain, struct gd__piece *piece,
                      const struct gd__uv_polyline *polyline, double from, double to)
 {

@@ -7,7 +7,7 @@
 #include "base/tolerance.h"
 #include "nurbs/taut.h"
 
-enum { PARTS = 4 }; /* samples of a span */
+enum { PARTS = 4 }; /* number of samples of a span */
 
 /* A sample of the chain: its piece, span and parameter. */
 struct sample {
@@ -19,7 +19,7 @@ struct check {
     const struct gd__chain *chain;
     struct sample *samples;
     uint32_t count;
-    double worst; /* least depth */
+    double worst; /* smallest depth so far */
     struct sample worst_sample;
     uint32_t worst_index;
     struct gd__loop_place place;
@@ -65,7 +65,7 @@ static void probe(struct check *check, const struct sample *sample, uint32_t ind
     check->place = place;
 }
 
-/* Returns the fraction of the segment (a, b) at which it crosses (p, q); -1 if it does not. */
+/* Returns the fraction of the segment (a, b) at which it crosses (p, q), or -1 if it does not. */
 static double crossing_of(const double a[2], const double b[2], const double p[2],
                           const double q[2])
 {
@@ -83,7 +83,7 @@ static int by_number(const void *x, const void *y)
     return *p < *q ? -1 : *p > *q;
 }
 
-/* Probes the chord between two samples half-way between its crossings with loops, so that a hole
+/* Tests the chord between two samples at the middles between its crossings with loops. So a hole
  * that is narrower than the chord is found. */
 static enum gd_status probe_chord(struct check *check, uint32_t index)
 {

@@ -1,6 +1,6 @@
-/* A solution has these steps. Test whether the curves meet. Find seeds on the mesh, or make the
- * seeds of a class of paths. Compute coarse candidates from each seed. Refine the candidates that
- * may be shortest. Trim candidates that cross the curves. Return the shortest minimum. */
+/* A request is solved in these steps. Test whether the curves meet. Find seeds on the mesh, or make
+ * the seeds of a class of paths. Compute coarse candidates from each seed. Refine the candidates
+ * that may be shortest. Trim candidates that cross the curves. Return the shortest minimum. */
 #include "gd/geodesic_like.h"
 
 #include <math.h>
@@ -17,23 +17,22 @@
 #include "nurbs/trim.h"
 
 enum {
-    /* number of pairs of places at which initial paths of a class between two curves begin and
-       end */
+    /* initial paths of a class begin and end at this number of pairs of places of the two curves */
     CLASS_PLACES = 2,
-    TRIMS_MOST = 8 /* limit on trims of one path */
+    TRIMS_MOST = 8 /* largest number of times that a path is trimmed */
 };
 
-/* a coarse curve that is longer than the shortest one by this factor is dropped */
+/* coarse curves that are longer than this factor times the shortest one are dropped */
 static const double hopeless = 1.01;
-/* as `hopeless`, if a candidate passes near a pole, where coarse curves are too long */
+/* replaces `hopeless` if a candidate passes near a pole, where coarse curves are too long */
 static const double hopeless_by_pole = 1.08;
-/* Fraction of the length: two candidates are the same path if their lengths differ by less than
- * this, and the distances of their quarters and middles are below the square root of this
- * fraction. */
+/* As a fraction of the length: two candidates are the same path if their lengths differ by less
+ * than this, and the distances between their points at a quarter and at the middle are below the
+ * square root of this fraction. */
 static const double twins = 1e-7;
-/* as `twins`, for a candidate that converges towards a path through a pole */
+/* replaces `twins` for a candidate that converges to a path through a pole */
 static const double beside = 1e-2;
-/* the coarse curves' fraction of the progress */
+/* fraction of the progress when all coarse curves are computed */
 static const double COARSE_SHARE = 0.25;
 
 struct candidates {
@@ -71,7 +70,7 @@ static void candidates_free(struct candidates *candidates)
     free(candidates->items);
 }
 
-/* Adds the candidates along a seed, except those that are already there. */
+/* Adds the candidates of a seed, except those that are already in the list. */
 static enum gd_status add_candidates(struct solving *solving, const struct gd__path_seed *seed,
                                      uint32_t trims)
 {
@@ -104,7 +103,7 @@ static enum gd_status add_candidates(struct solving *solving, const struct gd__p
     return GD_OK;
 }
 
-/* Adds the candidates along the initial paths of a class. */
+/* Adds the candidates of the initial paths of a class. */
 static enum gd_status add_class(struct solving *solving, const struct gd__class *in)
 {
     enum gd_status status = GD_OK;
@@ -124,7 +123,7 @@ static enum gd_status add_classes(struct solving *solving, const struct gd__path
     const struct gd_parametric *surface = solving->task->surface;
     int32_t most[2];
     for (int k = 0; k < 2; k++) {
-        /* a path whose end slides around a closed curve passes to the next class */
+        /* if a path's end moves once around a closed curve, the path belongs to the next class */
         bool slides = solving->ends[0]->winding[k] != 0 || solving->ends[1]->winding[k] != 0;
         most[k] = surface->axis[k]->closed && !slides ? (int32_t)solving->options.turn_limit : 0;
     }
@@ -163,8 +162,8 @@ static enum gd_status finish_candidate(const struct gd__task *task, struct gd__c
     return task->pace->status ? task->pace->status : status;
 }
 
-/* Returns true if a candidate that passes beside a pole is superfluous, because it is almost the
- * geodesic `through`, which passes through the pole. */
+/* `through` may be a geodesic that passes through a pole. Returns true if a candidate that passes
+ * near the pole is almost equal to it, and thus is not needed. */
 static bool is_covered(const struct gd__candidate *through, const struct gd__candidate *candidate)
 {
     return through->parts > 1 &&
@@ -179,8 +178,8 @@ static int through_first(const void *x, const void *y)
     return p->coarse < q->coarse ? -1 : p->coarse > q->coarse;
 }
 
-/* Keeps the shorter of two candidates that did not become geodesics. If no geodesic is found, the
- * kept candidate becomes the result, marked as not converged. */
+/* Keeps the shorter one of two candidates that did not become geodesics. If no geodesic is found,
+ * the kept candidate is the result, and is marked as not converged. */
 static void spare_candidate(struct gd__candidate *candidate, struct gd__candidate *spare)
 {
     for (uint32_t i = 0; i < candidate->parts; i++)
@@ -204,7 +203,7 @@ static bool is_result(const struct solving *solving, const struct gd__candidate 
     return turns[0] == wanted[0] && turns[1] == wanted[1];
 }
 
-/* Replaces a path that crosses one of the curves by the candidates along its trimmed part. */
+/* Replaces a path that crosses one of the curves by the candidates of its trimmed part. */
 static enum gd_status trim_candidate(struct solving *solving, struct gd__candidate *candidate,
                                      bool *trimmed)
 {
@@ -220,7 +219,7 @@ static enum gd_status trim_candidate(struct solving *solving, struct gd__candida
     return status;
 }
 
-/* Returns the greatest length of a coarse curve that is worth refining. */
+/* Returns the greatest length of coarse curves that are refined. */
 static double longest_worth(const struct solving *solving)
 {
     const struct candidates *candidates = &solving->candidates;
@@ -253,8 +252,8 @@ static enum gd_status finish_one(struct solving *solving, struct gd__candidate *
     return status;
 }
 
-/* Refines the candidates that may be results, and drops the others. The list grows at its end while
- * its beginning is filled with the results. */
+/* Refines the candidates that may be results, and drops the others. While this runs, results are
+ * stored at the beginning of the list, and trimmed candidates are appended to its end. */
 static enum gd_status geodesic_finish(struct solving *solving)
 {
     struct candidates *candidates = &solving->candidates;
@@ -313,7 +312,8 @@ static void geodesic_choose(bool all, struct candidates *candidates)
 
 /* --- families --------------------------------------------------------------------------------- */
 
-/* Returns the distance of the ends of two candidates, in widths of the curves' ranges. */
+/* Returns the distance between the ends of two candidates, as a fraction of the curves' parameter
+ * ranges. */
 static double ends_apart(const struct solving *solving, const struct gd__candidate *a,
                          const struct gd__candidate *b)
 {
@@ -328,7 +328,7 @@ static double ends_apart(const struct solving *solving, const struct gd__candida
     return sum;
 }
 
-/* Joins the family of a candidate with the families of earlier candidates. Of each family only the
+/* Joins the family of a candidate with the families of earlier candidates. In each family, only the
  * member with the nearest ends is compared, because paths between close members are easy to
  * find. */
 static enum gd_status join_families(const struct solving *solving, uint32_t candidate)
@@ -355,7 +355,7 @@ static enum gd_status join_families(const struct solving *solving, uint32_t cand
     return status;
 }
 
-/* Keeps one candidate of each family. */
+/* Keeps only one candidate of each family. */
 static enum gd_status keep_families(const struct solving *solving, struct candidates *candidates)
 {
     enum gd_status status = GD_OK;
@@ -445,8 +445,8 @@ static enum gd_status check_turns(const struct gd_parametric *surface, const int
     return GD_OK;
 }
 
-/* On a trimmed surface, parts of loops become cubic pieces, and the class of a path is that of the
- * tessellation's shortest paths. */
+/* Rejects options that trimmed surfaces do not support. On them, parts of loops become cubic
+ * pieces, and the paths are in the classes of the shortest paths on the tessellation. */
 static enum gd_status check_trimmed(const struct gd_geodesic_request *request,
                                     const struct gd_geodesic_options *o, struct gd_detail *detail)
 {
@@ -543,9 +543,9 @@ static enum gd_status find_seeds(const struct solving *solving,
     return status;
 }
 
-/* Sets *meet if the curves of the request meet, and computes the result in this case. Does nothing
- * if the request selects a class of paths, because a path of that class may have a length above 0
- * even from a point to itself. */
+/* If the curves of the request meet, sets *meet to true and computes the result. Does nothing if
+ * the request selects a class of paths, because a path of that class may have a length above 0 even
+ * from a point to itself. */
 static enum gd_status solve_meeting(const struct gd_geodesic_request *request,
                                     const struct gd_control *control, bool *meet,
                                     struct gd_geodesics *out)

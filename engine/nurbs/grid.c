@@ -12,8 +12,8 @@ enum {
     LEAST_STEPS = 8 /* least number of steps in a direction */
 };
 
-/* The size of a cell in one direction: the largest length and the largest |x''| width^2 on several
- * lines across the cell. */
+/* The size of a cell in one direction: the largest length, and the largest value of |x''| width^2,
+ * on several lines through the cell in this direction. */
 struct cell_size {
     double low, high, length, bend;
 };
@@ -60,9 +60,9 @@ static double total_length(const struct cell_size *sizes, uint32_t count)
     return sum;
 }
 
-/* Returns the number of steps for a cell. An edge of one step deviates from the surface by bend /
- * (8 steps^2). At most half of `deviation` is allowed, because the deviations of both
- * directions add up. */
+/* Returns the number of steps for a cell. If a cell is divided into `steps` steps, an edge of one
+ * step deviates from the surface by bend / (8 steps^2). At most half of `deviation` is allowed,
+ * because the deviations of both directions add up. */
 static double steps_of(const struct cell_size *size, double step, double deviation, double share)
 {
     double steps = fmax(ceil(size->length / step), 1);
@@ -90,7 +90,7 @@ static enum gd_status nurbs_grid_divide(const struct cell_size *sizes, uint32_t 
     return GD_OK;
 }
 
-/* Divides a direction into the requested number of equal steps, regardless of lines. */
+/* Divides a direction into the requested number of equal steps, and ignores the surface's lines. */
 static enum gd_status divide_evenly(const struct gd_axis *axis, uint32_t steps, double **out)
 {
     double *at = malloc((steps + (size_t)1) * sizeof *at);

@@ -15,7 +15,7 @@ const char *gd_nurbs_flaw_name(enum gd_nurbs_flaw flaw)
     return "unknown";
 }
 
-/* Fills the detail; returns the flaw, for use in a return statement. */
+/* Fills the detail. The value is the flaw, so the macro can be used in a return statement. */
 #define refuse(flaw, detail, ...)                                                                  \
     (gd_fail(detail, GD_INVALID_ARGUMENT, __VA_ARGS__) == GD_OK ? GD_NURBS_FLAW_NONE : (flaw))
 
@@ -23,7 +23,7 @@ struct direction {
     char name;
     uint32_t degree, count, knot_count;
     const double *knots;
-    bool short_knots; /* the convention omits the first and the last knot */
+    bool short_knots; /* true if the convention omits the first and the last knot */
 };
 
 static enum gd_nurbs_flaw inspect_counts(const struct direction *d, struct gd_detail *detail)

@@ -54,8 +54,8 @@ static struct view view_of(const struct gd_domain_curve *curve, double s)
     return view;
 }
 
-/* Returns true if both are the same place of the surface. Equality in space does not suffice,
- * because the surface may intersect itself. */
+/* Returns true if both places are the same place of the surface. It is not enough that they are
+ * equal in space, because the surface may intersect itself. */
 static bool is_one_place(const struct gd_parametric *surface, const double a[2], const double b[2])
 {
     for (int k = 0; k < 2; k++)
@@ -80,8 +80,8 @@ static double nearness(const struct gd_parametric *surface)
     return GD_TOL_COINCIDE * surface->size + GD_TOL_LOCATE * surface->farthest;
 }
 
-/* Applies Gauss-Newton to x(a(s)) - x(b(t)), which converges quadratically where the curves cross.
- * Returns true if they meet. */
+/* Applies the Gauss-Newton method to x(a(s)) - x(b(t)). It converges quadratically where the curves
+ * cross. Returns true if the curves meet. */
 static bool approach(const struct gd_domain_curve *a, const struct gd_domain_curve *b,
                      struct gd__pace *pace, double s[2])
 {
@@ -110,8 +110,8 @@ static double meet_apart(const struct places *a, const struct places *b, uint32_
     return gd_vec3_distance(a->x[i], b->x[j]);
 }
 
-/* Returns true if a pair of places is not farther apart than the neighbouring pairs, and so near
- * that the curves may meet between them. */
+/* Returns true if the two places of a pair are not farther apart than those of the neighbouring
+ * pairs, and so close that the curves may meet near them. */
 static bool is_candidate(const struct places *a, const struct places *b, double near, uint32_t i,
                          uint32_t j)
 {

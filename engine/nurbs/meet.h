@@ -9,9 +9,9 @@ struct gd__meeting {
     double s[2]; /* parameters on both curves */
 };
 
-/* Finds at most `most` common points of the curves (to GD_TOL_COINCIDE of the surface's size), in
- * any order. The same point may be listed twice. Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE.
- * Cost: about 100,000 distances of points, more for curves with many pieces. */
+/* Finds at most `most` common points of the curves, in any order. The tolerance is GD_TOL_COINCIDE
+ * of the surface's size. The same point may be listed twice. Errors: GD_NO_MEMORY, GD_CANCELLED,
+ * GD_DEADLINE. Cost: about 100,000 distances between points, more for curves with many pieces. */
 GD_MUST_USE enum gd_status gd__curves_meetings(const struct gd_domain_curve *a,
                                                const struct gd_domain_curve *b,
                                                const struct gd_control *control,

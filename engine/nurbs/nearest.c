@@ -4,8 +4,8 @@
 #include "base/tolerance.h"
 #include "nurbs/grid.h"
 
-/* LOOK: nodes between two checks of the control. SECTIONS, POLISH: steps towards the nearest place
- * of a loop. */
+/* LOOK: number of nodes between two checks of the control. SECTIONS and POLISH: numbers of steps of
+ * golden section and of Newton's method in the search for the nearest place of a loop. */
 enum { GRID_FACES = 2048, STEPS_MOST = 60, LOOK = 512, SECTIONS = 40, POLISH = 4 };
 
 /* Half of the squared distance, with gradient and Hessian in (u, v). */
@@ -80,7 +80,7 @@ static void nurbs_nearest_descend(const struct gd_parametric *surface, struct gd
     }
 }
 
-/* Returns true if a grid node is not farther than its neighbours. */
+/* Returns true if no neighbour of a grid node is nearer to the point. */
 static bool is_lowest(const struct gd_parametric *surface, const struct gd__grid *grid,
                       const double *distance, uint32_t i, uint32_t j)
 {
@@ -144,7 +144,8 @@ static void loop_place(const struct gd_parametric *surface, uint32_t loop, doubl
     out->distance = gd_vec3_distance(out->xyz, xyz);
 }
 
-/* Returns Newton's step along a loop towards the place nearest to xyz; 0 if it is not a minimum. */
+/* Returns Newton's step along a loop towards the place nearest to xyz, or 0 if the step does not
+ * lead to a minimum. */
 static double loop_step(const struct gd_parametric *surface, uint32_t loop, double s,
                         struct gd_vec3 xyz)
 {
@@ -187,7 +188,8 @@ static void loop_improve(const struct gd_parametric *surface, uint32_t loop, con
     if (a.distance < best->distance) *best = a;
 }
 
-/* Finds the nearest place of all loops, from each sample that is nearer than its neighbours. */
+/* Finds the nearest place of all loops. Starts a search at each sample that is nearer than its
+ * neighbours. */
 static enum gd_status nearest_on_loops(const struct gd_parametric *surface, struct gd_vec3 xyz,
                                        const struct gd_control *control,
                                        struct gd_parametric_closest *best)

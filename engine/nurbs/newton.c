@@ -16,9 +16,10 @@ struct state {
     struct gd__chain *chain;
     struct gd__part *parts;
     double *diagonal, *beside, *move; /* tridiagonal system of the joints, and its solution */
-    double *least;                    /* for each joint, pivots nearer to 0 count as 0 */
-    double *kept_at;                  /* the joints' unknowns before the step */
-    double *kept_points;              /* the control points before the step */
+    /* for each joint, pivots with a smaller absolute value count as 0 */
+    double *least;
+    double *kept_at;     /* the joints' unknowns before the step */
+    double *kept_points; /* the control points before the step */
     double *points_move;
     bool contact, flat;
 };
@@ -89,11 +90,11 @@ static bool joint_is_held(const struct gd__joint *joint, double slope)
     return (joint->at <= joint->low && slope > 0) || (joint->at >= joint->high && slope < 0);
 }
 
-/* Assembles the joints' system of F = sum sqrt(2 E_k). For a piece, let L be its length, g its
- * reduced gradient and S its matrix `schur`. The piece contributes S / L to the matrix, and to
- * Newton's matrix also - g g^T / L^3. Gauss-Newton's matrix is nearly singular for steps that move
- * the whole path sideways. So a damping term is added to its diagonal: the squared speed of the
- * piece's end, divided by L. */
+/* Assembles the joints' system of F = sum sqrt(2 E_k). For each piece, let L be its length, g its
+ * reduced gradient and S its matrix `schur`. The piece adds S / L to the matrix, and in Newton's
+ * method also -g g^T / L^3. The matrix of the Gauss-Newton method is nearly singular for steps that
+ * move the whole path sideways. So a damping term is added to its diagonal: the squared speed of
+ * the piece's end, divided by L. */
 static void couple(struct state *state, enum gd__hessian kind)
 {
     uint32_t joints = state->chain->piece_count + 1;
@@ -172,8 +173,8 @@ static double newton_expand(struct state *state, enum gd__hessian kind)
     return sum;
 }
 
-/* Computes the step with one kind of matrix, and the derivative of F along the step. Returns false
- * if the matrix is not positive definite. */
+/* Computes the step with the given kind of matrix, and the derivative of F along the step. Returns
+ * false if the matrix is not positive definite. */
 static bool find_step(struct state *state, enum gd__hessian kind, double *slope)
 {
     const struct gd__chain *chain = state->chain;
@@ -219,7 +220,7 @@ static void newton_keep(struct state *state)
     }
 }
 
-/* Sets the chain to the stored one, moved by a fraction of the step and clamped to the domain. */
+/* Sets the chain to the stored chain plus a fraction of the step, and clamps it to the domain. */
 static void move_by(struct state *state, double part)
 {
     struct gd__chain *chain = state->chain;
@@ -252,11 +253,12 @@ static double newton_length_of(const struct gd__chain *chain)
     return sum;
 }
 
-/* Fraction of the distance to a pole that one step may cover. All points of the border in a pole
- * are one point of the surface, so a control point there has no unique position. */
+/* A step may move a control point by at most this fraction of its distance to a pole. In a pole,
+ * all places of the border are the same point of the surface, so a control point there has no
+ * unique position. */
 static const double towards_pole = 0.8;
 
-/* Returns a coordinate's movement, relative to its allowed movement. */
+/* Returns the movement of a coordinate divided by the largest allowed movement. */
 static double newton_excess(const struct gd_axis *axis, double t, double move)
 {
     double part = 2 * fabs(move) / (axis->high - axis->low);
@@ -268,7 +270,7 @@ static double newton_excess(const struct gd_axis *axis, double t, double move)
 }
 
 /* Returns the largest fraction of a step that moves no control point by more than half of the
- * domain, or into a pole. */
+ * domain, and none into a pole. */
 static double longest(const struct state *state)
 {
     const struct gd__chain *chain = state->chain;
@@ -283,8 +285,8 @@ static double longest(const struct state *state)
     return most > 1 ? 1 / most : 1;
 }
 
-/* Searches along the step by Armijo's rule. Returns false if no fraction of the step decreases F;
- * the chain is then restored. */
+/* Searches along the step by Armijo's rule. If no fraction of the step decreases F, restores the
+ * chain and returns false. */
 static bool newton_search(struct state *state, double length, double slope)
 {
     double part = longest(state);
@@ -310,7 +312,7 @@ static void report_pull(const struct state *state, struct gd__newton_report *rep
     }
 }
 
-/* Computes a step with Gauss-Newton's matrix, which always descends. */
+/* Computes a step with the matrix of the Gauss-Newton method. This step always decreases F. */
 static bool fall_back(struct state *state, struct gd__newton_report *report, double *slope)
 {
     report->positive = false;

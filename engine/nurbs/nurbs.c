@@ -107,8 +107,9 @@ static double nurbs_extent(const struct gd__nurbs *nurbs)
     return most;
 }
 
-/* Recognises a closed direction and poles. Compares both borders at enough places of each cell to
- * distinguish two rational pieces of their degree. */
+/* Finds out whether a direction is closed, and whether its borders are poles. Compares both borders
+ * at so many places of each cell that two different rational curves of their degree cannot agree at
+ * all of them. */
 static void recognise(const struct gd__nurbs *nurbs, bool u_is_border, double size,
                       struct gd_axis *axis)
 {

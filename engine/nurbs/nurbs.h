@@ -4,19 +4,20 @@
 
 #include "gd/nurbs.h"
 
-/* One direction: all n + degree + 1 knots, and the non-empty spans, which are the surface's
- * cells. */
+/* One direction of the surface: all n + degree + 1 knots, and the non-empty spans, which are the
+ * surface's cells. */
 struct gd__knots {
     uint32_t degree, count;
     double *knots;
     double *lines;   /* interior knots, without repetition */
-    uint32_t *spans; /* line_count + 1 */
+    uint32_t *spans; /* line_count + 1 entries: the knot span of each cell */
     uint32_t line_count;
 };
 
 struct gd__nurbs {
     struct gd__knots u, v;
-    double (*control)[4]; /* homogeneous: (w x, w y, w z, w), relative to `centre` */
+    /* homogeneous coordinates (w x, w y, w z, w), where (x, y, z) is relative to `centre` */
+    double (*control)[4];
     /* subtracted from all points, so that surfaces far from the origin lose no digits */
     double centre[3];
 };

@@ -10,8 +10,8 @@ void gd_tessellation_vertex(const struct gd_tessellation *tessellation, struct g
     gd__node_parameters(tessellation, tessellation->node_of[vertex.index], uv);
 }
 
-/* If a corner lies at a pole, its parameter along the pole is undefined. Sets this parameter to the
- * weighted mean of the parameters of the other two corners. */
+/* If a corner lies at a pole, its parameter along the pole is undefined. Sets it to the weighted
+ * mean of the parameters of the other two corners. */
 static void settle_poles(const struct gd_parametric *surface, const double weight[3],
                          double uv[3][2])
 {
@@ -73,8 +73,9 @@ static double least(const double weight[3])
     return fmin(weight[0], fmin(weight[1], weight[2]));
 }
 
-/* Computes the point of a trimmed tessellation with the parameters `at`. Between a loop and the
- * chords of its samples, it is the nearest point of the best triangle. */
+/* Computes the point of a trimmed tessellation with the parameters `at`. If the place lies between
+ * a loop and the chords of the loop's samples, no triangle contains it. The result is then the
+ * nearest point of the best triangle. */
 static enum gd_status trimmed_point(const struct gd_tessellation *t, const double at[2],
                                     struct gd_point *out, struct gd_detail *detail)
 {

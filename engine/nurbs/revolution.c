@@ -7,7 +7,7 @@
 #include "nurbs/nurbs.h"
 #include "nurbs/surface.h"
 
-enum { PLACES = 64 }; /* places where the profile's radius is tested */
+enum { PLACES = 64 }; /* number of places where the profile's radius is tested */
 
 struct revolution {
     struct gd_parametric *profile; /* u: the profile's parameter */
@@ -45,8 +45,8 @@ static double revolution_extent(const struct gd_profile *profile)
     return most;
 }
 
-/* Creates the profile's surface: the profile lies in the plane y = 0 and is extruded along y. The
- * width of the extrusion is the largest coordinate of the profile. */
+/* Creates the surface that stores the profile. The profile lies in the plane y = 0 and is extruded
+ * along y, by the largest coordinate of the profile. */
 static enum gd_status take_profile(const struct gd_profile *profile, struct gd_parametric **out,
                                    struct gd_detail *detail)
 {

@@ -17,10 +17,11 @@ enum {
     SEEDS_FEW = 12 /* largest number of seeds if only the shortest path is requested */
 };
 
-/* Fraction of the length: two seeds lead to the same path if their lengths, ends and middles differ
- * by less than this. */
+/* As a fraction of the length: two seeds lead to the same path if their lengths, ends and middles
+ * differ by less than this. */
 static const double same = 0.02;
-/* A seed longer than the shortest seed by this factor does not lead to the shortest path. */
+/* A seed that is longer than this factor times the shortest seed does not lead to the shortest
+ * path. */
 static const double margin = 1.08;
 
 /* One of the two curves, sampled on the mesh, with the distance field of its samples. */
@@ -91,8 +92,8 @@ static void side_free(struct side *side)
 
 /* --- trails ----------------------------------------------------------------------------------- */
 
-/* Moves a place by whole periods to the copy nearest to `before`. At a pole it takes the coordinate
- * along the pole from `before`. */
+/* Moves a place by whole periods, such that it is nearest to `before`. At a pole, copies the
+ * coordinate along the pole from `before`. */
 static void unwind(const struct gd_parametric *surface, const double before[2], double at[2])
 {
     for (int k = 0; k < 2; k++) {
@@ -122,8 +123,8 @@ static enum gd_status add_path(const struct gd_tessellation *t, const struct gd_
     return status;
 }
 
-/* Computes the parameter of the curve's place nearest to a point, and the shortest path between
- * them. */
+/* Finds the sampled place of the curve that is nearest to a point. Computes its parameter, and the
+ * shortest path between them. */
 static enum gd_status nurbs_seeds_reach(const struct side *side, const struct gd_point *point,
                                         double *s, struct gd_path *path)
 {
@@ -173,7 +174,8 @@ static enum gd_status nurbs_seeds_keep(struct search *search, const struct gd__p
     return status;
 }
 
-/* Adds the path through a point of the mesh that is shortest on both sides of the point. */
+/* Adds the path through a point of the mesh that consists of the shortest paths from the point to
+ * both curves. */
 static enum gd_status add_seed(struct search *search, const struct gd_point *point)
 {
     struct gd__path_seed seed = {0};
@@ -195,12 +197,13 @@ static enum gd_status add_seed(struct search *search, const struct gd_point *poi
 
 /* --- local minima ----------------------------------------------------------------------------- */
 
-/* The place where an edge of the mesh crosses the set d1 = d2. */
+/* The place where the set d1 = d2 crosses an edge of the mesh. */
 struct crossing {
-    uint32_t a, b;                /* vertices, a < b */
-    double part;                  /* fraction of the edge, from a */
-    double sum;                   /* d1 + d2 at the crossing, by linear interpolation */
-    double least;                 /* least sum at the neighbouring crossings, in the edge's faces */
+    uint32_t a, b; /* vertices, a < b */
+    double part;   /* fraction of the edge, from a */
+    double sum;    /* d1 + d2 at the crossing, by linear interpolation */
+    /* smallest sum at the neighbouring crossings in the edge's faces */
+    double least;
     uint32_t others, other[2][2]; /* the edges of these crossings */
 };
 
@@ -231,8 +234,8 @@ static int by_edge(const void *x, const void *y)
     return p->b < q->b ? -1 : p->b > q->b;
 }
 
-/* Lists the crossings of all faces. A crossing has an entry for each of its faces, with the sum at
- * the other crossing of the same face. If `out` is NULL, only counts. */
+/* Lists the crossings of all faces. A crossing has one entry for each face of its edge; this entry
+ * has the sum at the other crossing of the same face. If `out` is NULL, only counts the entries. */
 static uint32_t list_crossings(struct search *search, struct crossing *out)
 {
     const struct gd_polygons *polygons = &search->tessellation->polygons;
@@ -267,7 +270,8 @@ static enum gd_status add_crossing(struct search *search, const struct crossing 
     return status ? status : add_seed(search, &point);
 }
 
-/* Joins the two entries of each crossing inside the mesh. Returns the number of crossings. */
+/* Joins the two entries of each crossing that is not on the boundary. Returns the number of
+ * crossings. */
 static uint32_t join_entries(struct crossing *list, uint32_t count)
 {
     uint32_t kept = 0;
@@ -318,8 +322,8 @@ static void find_plateaus(const struct crossing *list, uint32_t count, uint32_t 
     }
 }
 
-/* Adds a seed through the middle one of each plateau that is a local minimum, in the order of the
- * edges. */
+/* For each plateau that is a local minimum, adds a seed through its middle crossing, in the order
+ * of the edges. */
 static enum gd_status add_plateaus(struct search *search, const struct crossing *list,
                                    uint32_t count, struct gd_detail *detail)
 {
@@ -357,8 +361,8 @@ static enum gd_status add_middles(struct search *search, double shortest, struct
     return status;
 }
 
-/* Computes the distances of a curve's places from the other curve, and the least distance
- * *shortest. */
+/* Computes the distances of a curve's places from the other curve. Sets *shortest to the smallest
+ * one. */
 static enum gd_status find_ends(struct search *search, int k, double *distance, double *shortest)
 {
     const struct side *side = &search->side[k];

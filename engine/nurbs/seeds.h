@@ -1,9 +1,9 @@
 /* Seeds: paths between two curves on a tessellation, the initial guesses for smooth geodesics.
  *
- * Let d1 and d2 be the distances from the two curves on the mesh. A locally shortest path whose
- * halves are both shortest paths passes through a local minimum of d1 + d2 on the set d1 = d2. Each
- * such minimum gives a seed. Each local minimum of d2 along the first curve, and of d1 along the
- * second, also gives a seed. */
+ * Let d1 and d2 be the distances from the two curves on the mesh. If both halves of a locally
+ * shortest path are shortest paths, the path passes through a local minimum of d1 + d2 on the set
+ * d1 = d2. So each such minimum gives a seed. Each local minimum of d2 along the first curve, and
+ * of d1 along the second curve, also gives a seed. */
 #ifndef GD_NURBS_SEEDS_H
 #define GD_NURBS_SEEDS_H
 
@@ -14,8 +14,8 @@
 struct gd__path_seed {
     double length; /* on the mesh */
     double s[2];   /* parameters on the two curves */
-    /* From the first curve to the second; continuous across the seams of closed directions. Its
-       ends lie exactly on the curves. */
+    /* A polyline from the first curve to the second. Its coordinates are continuous across the
+       seams of closed directions. Its ends lie exactly on the curves. */
     struct gd__uv_polyline polyline;
 };
 
@@ -31,10 +31,10 @@ void gd__path_seeds_free(struct gd__path_seeds *seeds);
 GD_MUST_USE enum gd_status gd__path_seed_attach(const struct gd_domain_curve *const ends[2],
                                                 struct gd__path_seed *seed);
 
-#define GD__SEEDS_PARTS 2 /* parts of `share`: a field from each curve */
+#define GD__SEEDS_PARTS 2 /* number of parts of `share`: the field of each curve is one part */
 
-/* If `all` is set, finds all seeds; otherwise the seeds that may lead to the shortest path. Finds
- * at least one seed. Errors: those of gd_field_build. */
+/* If `all` is set, finds all seeds; otherwise finds only the seeds that may lead to the shortest
+ * path. Finds at least one seed. Errors: those of gd_field_build. */
 GD_MUST_USE enum gd_status gd__path_seeds_find(const struct gd_tessellation *tessellation,
                                                const struct gd_domain_curve *from,
                                                const struct gd_domain_curve *to, bool all,

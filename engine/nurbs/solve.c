@@ -7,42 +7,45 @@
 #include "nurbs/energy.h"
 
 enum {
-    COARSE_SPANS = 14, /* spans of a coarse curve, for each turn around the surface */
-    FIRST_SPANS = 10,  /* spans of the first curve that is divided into pieces, for each turn */
-    CUT_MOST = 12,     /* limit on fits of the curve to the cells */
-    CORNERS_MOST = 2,  /* limit on consecutive fits of a curve that is stuck in a corner of cells */
-    SLIDES_MOST = 256, /* limit on moves of an end from one interval of its curve to another */
-    STEPS_MOST = 1200, /* limit on all Newton steps */
+    COARSE_SPANS = 14, /* number of spans of a coarse curve, for each turn around the surface */
+    FIRST_SPANS = 10,  /* the same for the first curve that is divided into pieces */
+    CUT_MOST = 12,     /* largest number of fits of the curve to the cells */
+    /* largest number of consecutive fits of a curve that is stuck in a corner of cells */
+    CORNERS_MOST = 2,
+    /* largest number of moves of an end from one interval of its curve to another */
+    SLIDES_MOST = 256,
+    STEPS_MOST = 1200, /* largest total number of Newton steps */
     PATIENCE = 12,     /* number of refinements after which a bent curve is abandoned */
     REFINE_MOST = 48,
     SPANS_MOST = 4096
 };
 
 static const struct gd__newton_limits exact = {60, GD_TOL_STATIONARY};
-/* limits for a coarse curve: the curve crosses lines, where the Hessian jumps, so more steps are
- * useless */
+/* Limits for a coarse curve. It crosses lines, where the Hessian is not continuous, so more steps
+ * do not help. */
 static const struct gd__newton_limits coarse = {12, 1e-7};
 
-/* Fraction of the path's length. If Newton's method does not converge and a piece is shorter than
- * this, the curve is stuck in a corner of cells. */
+/* As a fraction of the path's length: if Newton's method does not converge and a piece is shorter
+ * than this, the curve is stuck in a corner of cells. */
 static const double stuck = 1e-4;
-/* Fraction of a cell's width. A stuck curve that passes a corner of cells nearer than this
+/* As a fraction of a cell's width: if a stuck curve passes a corner of cells nearer than this, it
  * continues directly in the opposite cell. */
 static const double wide_corner = 3e-2;
-/* Fraction of a piece: end spans are not refined below this width, because rounding would spoil
- * their curvature. */
+/* As a fraction of a piece: the spans at the ends are not refined below this width, because
+ * rounding would make their curvature wrong. */
 static const double shortest_end = 1e-4;
-/* Limit on the integral of squared geodesic curvature, times the length. For a path with a kink
- * this product is infinite. */
+/* Largest value of the integral of squared geodesic curvature, times the length. For a path with a
+ * kink, this product is infinite. */
 static const double most_bend = 100;
-/* Fraction of the domain's width: a control point nearer to a pole counts as in the pole. */
+/* As a fraction of the domain's width: a control point nearer to a pole than this counts as in the
+ * pole. */
 static const double fallen = 1e-6;
-/* The rounding of a span's length, as a multiple of the rounding at the chain's ends. */
+/* Rounding error of a span's length, as a multiple of the rounding error at the chain's ends. */
 static const double noise = 8;
-/* A span is halved if its error is at least this fraction of the greatest. */
+/* A span is halved only if its error is more than this fraction of the greatest error. */
 static const double worth = 0.02;
 
-/* Returns the number of turns around the surface between two places, rounded up; at least 1. */
+/* Returns the number of turns around the surface between two places, rounded up, but at least 1. */
 static uint32_t turns_between(const struct gd_parametric *surface, const double a[2],
                               const double b[2])
 {
@@ -77,12 +80,12 @@ static bool follows_border(const struct gd__chain *chain, const struct gd__piece
     return false;
 }
 
-/* Returns a bound of the length that halving a span can save. Let e be the sideways distance of the
- * span from the geodesic between its ends, kappa the geodesic curvature and h the length. Then e''
- * = kappa, and the span is longer than the geodesic by 1/2 int e'^2, which is at most (h / pi)^2 /
- * 2 int kappa^2. The quadrature error of the length is added. It covers spans with an uneven speed
- * but no curvature, such as those along a meridian. If the first term exceeds `enough`, the
- * quadrature error is omitted. */
+/* Returns a bound of the length that can be saved by halving a span. Let e be the sideways distance
+ * of the span from the geodesic between its ends, kappa the geodesic curvature and h the length.
+ * Then e'' = kappa, and the span is longer than the geodesic by 1/2 int e'^2, which is at most (h /
+ * pi)^2 / 2 int kappa^2. To this term, the quadrature error of the length is added. It is needed
+ * for spans with an uneven speed but no curvature, such as those along a meridian. If the first
+ * term exceeds `enough`, the quadrature error is not computed. */
 static double span_error(const struct gd__chain *chain, const struct gd__piece *piece,
                          uint32_t span, double rounding, double enough)
 {
@@ -143,8 +146,8 @@ static double solve_slope_of(const struct gd__joint *joint, const double pull[2]
     return pull[0] * jet.first[0] + pull[1] * jet.first[1];
 }
 
-/* Moves a joint at the end of its interval to the next interval if that shortens the path. Returns
- * true if it moved. */
+/* Moves a joint at the end of its interval to the next interval, if this shortens the path. Returns
+ * true if the joint was moved. */
 static bool solve_slide(struct gd__joint *joint, const double pull[2], bool *held)
 {
     *held = joint->kind == GD__JOINT_LINE && joint->curve;
@@ -173,9 +176,10 @@ static bool slide_ends(struct gd__solution *solution)
     return moved;
 }
 
-/* Iterates a curve of one piece until neither end moves to another interval of the curve on which
- * it slides. At a corner of that curve the derivative of the length jumps, so Newton's method must
- * treat each interval alone. */
+/* The ends of a path can move along two curves. Applies Newton's method to a curve of one piece
+ * until neither end moves to another interval of its curve. At a corner of this curve, the
+ * derivative of the length is not continuous, so Newton's method must be applied to each interval
+ * alone. */
 static enum gd_status settle_ends(struct gd__solution *solution)
 {
     struct gd__joint *joints = solution->chain->joints;
@@ -246,8 +250,8 @@ static bool has_short_piece(const struct gd__solution *solution)
     return false;
 }
 
-/* Applies Newton's method to the pieces, which are fitted again while the curve leaves their
- * cells. */
+/* Applies Newton's method to the pieces. If the curve then leaves their cells, fits it to the cells
+ * again and repeats. */
 static enum gd_status solve_settle(const struct gd__task *task, struct gd__solution *solution,
                                    bool begin, uint32_t spans, bool *settled)
 {
@@ -273,8 +277,8 @@ static enum gd_status solve_settle(const struct gd__task *task, struct gd__solut
 
 /* --- refinement ------------------------------------------------------------------------------- */
 
-/* Returns the cosine of the angle between the path and the curve on which it ends. After Newton's
- * method it is 0 up to the spline's error. */
+/* Returns the cosine of the angle between the path and the curve on which it ends. For the exact
+ * geodesic it is 0. After Newton's method, it shows the error of the spline. */
 static double end_defect(const struct gd__solution *solution, int side)
 {
     const struct gd__chain *chain = solution->chain;
@@ -296,14 +300,14 @@ static double end_share(const struct gd__chain *chain, int side)
                 : piece->knots[chain->degree + 1];
 }
 
-/* Returns the allowed error: the request's tolerance, but at least the rounding of the ends, which
- * matters if they are very near to each other. */
+/* Returns the allowed error: that of the request's tolerance, but at least the rounding error of
+ * the ends, which matters if they are very close to each other. */
 static double allowance(const struct gd__task *task, const struct gd__solution *solution)
 {
     return fmax(task->tolerance * solution->report.length, gd__chain_rounding(solution->chain));
 }
 
-/* Marks the spans to halve; returns the sum of all errors. */
+/* Marks the spans that will be halved. Returns the sum of all errors. */
 static double solve_mark(const struct gd__task *task, const struct gd__solution *solution,
                          double *errors, bool *marked)
 {
@@ -335,7 +339,7 @@ static bool mark_ends(const struct gd__solution *solution, bool *marked)
     return low || high;
 }
 
-/* Halves spans and iterates again. Sets *done if the tolerance is met. */
+/* Halves spans and applies Newton's method again. Sets *done if the tolerance is met. */
 static enum gd_status solve_refine(const struct gd__task *task, struct gd__solution *solution,
                                    bool *done)
 {

@@ -14,20 +14,20 @@ struct gd__task {
 };
 
 struct gd__solution {
-    struct gd__chain *chain; /* owned: free() */
+    struct gd__chain *chain; /* owned; freed by free() */
     struct gd__newton_report report;
     double error;
     uint32_t iterations;
-    bool converged; /* the tolerance is met */
-    /* true if an end of the path cannot slide further, because it is at a corner or an end of its
-       curve */
+    bool converged; /* true if the tolerance is met */
+    /* true if an end of the path cannot move further along its curve, because it is at a corner or
+       an end of the curve */
     bool corner;
 };
 
 /* Computes a coarse curve, which is used to compare candidates, from a polyline that begins and
  * ends at the joints. The curve is one piece over all cells. The joints are `whole`. If
- * task->control_points is set, the curve is the paper's and the final result. Errors: those of
- * gd__newton. */
+ * task->control_points is set, this curve is the geodesic-like curve of the paper and already the
+ * final result. Errors: those of gd__newton. */
 GD_MUST_USE enum gd_status gd__solve_coarse(const struct gd__task *task,
                                             const struct gd__uv_polyline *polyline,
                                             const struct gd__joint *from,
@@ -37,9 +37,9 @@ GD_MUST_USE enum gd_status gd__solve_coarse(const struct gd__task *task,
 GD_MUST_USE enum gd_status gd__solve_fine(const struct gd__task *task,
                                           struct gd__solution *solution);
 
-/* Returns true if the curve bends much more than a near-geodesic, because it shrank into a pole or
- * did not converge. A curve with a requested number of control points may bend. Ends early if the
- * chain's pace stops. */
+/* Returns true if the curve bends much more than a curve that is nearly a geodesic. The reason is
+ * that it shrank into a pole or did not converge. A curve with a requested number of control points
+ * may bend. Ends early if the chain's pace stops. */
 bool gd__solution_is_bent(const struct gd__task *task, const struct gd__solution *solution);
 
 #endif

@@ -6,7 +6,7 @@
 #include "base/tolerance.h"
 #include "nurbs/bspline.h"
 
-enum { PROBES = 17 }; /* places in each direction at which a new surface is checked */
+enum { PROBES = 17 }; /* number of places in each direction at which a new surface is checked */
 
 int32_t gd__axis_cell(const struct gd_axis *axis, double t)
 {
@@ -19,7 +19,7 @@ int32_t gd__axis_cell(const struct gd_axis *axis, double t)
     return within + (int32_t)turns * gd__axis_cells(axis);
 }
 
-/* Returns the cell's number within the period, and sets *turns to the number of the period. */
+/* Returns the cell's number within its period, and sets *turns to the number of this period. */
 static int32_t surface_reduce(const struct gd_axis *axis, int32_t index, int32_t *turns)
 {
     int32_t count = gd__axis_cells(axis), within = index % count;
@@ -133,8 +133,9 @@ static enum gd_status surface_measure(struct gd_parametric *surface, struct gd_d
     return gd_fail(detail, GD_INVALID_ARGUMENT, "the surface is a point");
 }
 
-/* Returns the greatest distance between corresponding points of two borders of direction k. With
- * `from_first`, returns the greatest distance of a border's points from its first point. */
+/* Returns the greatest distance between corresponding points of two borders of direction k. If
+ * `from_first`, returns the greatest distance of the points of a border from its first point
+ * instead. */
 static double border_gap(const struct gd_parametric *surface, int k, double a, double b,
                          bool from_first)
 {
@@ -231,8 +232,8 @@ double gd_parametric_size(const struct gd_parametric *surface)
 
 /* --- trimmed surfaces ------------------------------------------------------------------------- */
 
-/* Creates a surface with the evaluator of `surface`. Inside an outer loop no direction is closed,
- * because the domain ends at the loop. */
+/* Creates a surface with the evaluator of `surface`. If there is an outer loop, no direction is
+ * closed, because the domain ends at this loop. */
 static enum gd_status share_evaluator(const struct gd_parametric *surface, bool has_outer,
                                       struct gd_parametric **out, struct gd_detail *detail)
 {

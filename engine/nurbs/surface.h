@@ -1,5 +1,5 @@
-/* Parametric surface: its smooth cells, which are numbered through all periods of closed
- * directions. */
+/* Parametric surface: its smooth cells. In closed directions, the numbers of the cells continue
+ * through all periods. */
 #ifndef GD_NURBS_SURFACE_H
 #define GD_NURBS_SURFACE_H
 
@@ -14,12 +14,13 @@ enum { GD__STEP = GD__PACE_STEPS / 32 };
 
 struct gd_parametric {
     struct gd_evaluator evaluator;
-    const struct gd_axis *axis[2]; /* u, v */
+    const struct gd_axis *axis[2]; /* the directions u and v */
     double size;                   /* diagonal of the bounding box */
     /* largest distance of a point from the origin, which determines the rounding of positions */
     double farthest;
     size_t bytes;
-    /* of a trimmed surface: its loops, and the surface whose evaluator it shares; else NULL */
+    /* for a trimmed surface, its loops, and the surface whose evaluator it shares; NULL
+       otherwise */
     struct gd__loops *loops;
     const struct gd_parametric *base;
     atomic_uint references;
@@ -38,14 +39,15 @@ static inline int32_t gd__axis_cells(const struct gd_axis *axis)
     return (int32_t)axis->line_count + 1;
 }
 
-/* Returns the cell of a parameter; on a line the cell above it, on a border the cell inside. */
+/* Returns the cell that contains a parameter. On a line, returns the cell above it. On a border of
+ * the domain, returns the cell inside. */
 int32_t gd__axis_cell(const struct gd_axis *axis, double t);
 
-/* Returns the line below a cell; -INFINITY or INFINITY if the cell has no end there. Sets *is_line
- * to true for a line or seam of the surface, false for a border. */
+/* Returns the coordinate of the line below a cell, or -INFINITY or INFINITY if the cell has no end
+ * there. Sets *is_line to true for a line or a seam of the surface, and to false for a border. */
 double gd__axis_line(const struct gd_axis *axis, int32_t index, bool *is_line);
 
-/* Returns the parameter, moved by whole periods into [low, high) in a closed direction. */
+/* Returns the parameter. In a closed direction, moves it by whole periods into [low, high). */
 double gd__axis_wrap(const struct gd_axis *axis, double t);
 
 static inline double gd__axis_period(const struct gd_axis *axis)
@@ -55,7 +57,7 @@ static inline double gd__axis_period(const struct gd_axis *axis)
 
 struct gd__cell gd__surface_cell(const struct gd_parametric *surface, double u, double v);
 
-/* Evaluates the smooth piece of a cell, also beyond its lines. */
+/* Evaluates the smooth piece of a cell. The place may lie beyond the lines of the cell. */
 void gd__surface_jet(const struct gd_parametric *surface, struct gd__cell cell, const double at[2],
                      struct gd_jet *out);
 
@@ -64,12 +66,12 @@ void gd__surface_at(const struct gd_parametric *surface, const double at[2], str
 
 struct gd_vec3 gd__surface_position(const struct gd_parametric *surface, const double at[2]);
 
-/* Returns true if coordinate `axis` = t is a border that is a pole. */
+/* Returns true if coordinate `axis` has the value t on a border that is a pole. */
 bool gd__surface_pole(const struct gd_parametric *surface, int axis, double t);
 
-/* Returns the signed, scaled distance of a place from the loops of a trimmed surface, positive
- * inside, and the nearest place of the loops. The place may be outside [low, high] in closed
- * directions. */
+/* Returns the signed distance of a place from the loops of a trimmed surface, scaled, and positive
+ * inside. Also returns the nearest place of the loops. The place may be outside [low, high] in
+ * closed directions. */
 double gd__surface_depth(const struct gd_parametric *surface, const double at[2],
                          struct gd__loop_place *out);
 

@@ -10,10 +10,11 @@
 enum {
     ROUNDS_MOST = 80,
     CONTACTS_MOST = 512,
-    ARC_SAMPLES = 8 /* of a contact that becomes part of a gap */
+    ARC_SAMPLES = 8 /* number of samples of a contact that becomes part of a gap */
 };
 
-/* Ends of a gap are one place if they are closer than this fraction of the domain's width. */
+/* The two ends of a gap count as the same place if they are closer than this fraction of the
+ * domain's width. */
 static const double one_place = 1e-11;
 /* A loop counts as straight if its geodesic curvature, times the size of the surface, is less than
  * this. */
@@ -21,8 +22,9 @@ static const double straight = 1e-9;
 
 /* --- directions ------------------------------------------------------------------------------- */
 
-/* Sets *out to the direction in which the path reaches contact i: that of the gap, or of the
- * contact before an empty gap. Returns false at the beginning of the path. */
+/* Sets *out to the direction in which the path reaches contact i. This is the direction of the gap
+ * before the contact, or of the previous contact if that gap is empty. Returns false at the
+ * beginning of the path. */
 static bool direction_in(const struct gd__taut *taut, uint32_t i, struct gd_vec3 *out)
 {
     for (;; i--) {
@@ -71,7 +73,8 @@ static void gap_free(struct gd__gap *gap)
     *gap = (struct gd__gap){0};
 }
 
-/* Computes an end of a gap. Side 0 is its beginning: there, the contact before it ends. */
+/* Computes an end of a gap. Side 0 is the beginning of the gap, where the contact before it
+ * ends. */
 static void gap_end(const struct gd__taut *taut, uint32_t gap, int side, double at[2])
 {
     const struct gd__contacts *contacts = &taut->contacts;
@@ -162,8 +165,8 @@ static enum gd_status append_line(struct gd__uv_polyline *to, const struct gd__u
     return status;
 }
 
-/* Removes contact i. Joins the gaps beside it to one gap, whose initial path runs along the
- * contact. */
+/* Removes contact i. Joins the gaps before and after it to one gap, whose initial path runs along
+ * the contact. */
 static enum gd_status drop_contact(struct gd__taut *taut, uint32_t i)
 {
     const struct gd__contact contact = taut->contacts.items[i];
@@ -191,7 +194,7 @@ static enum gd_status drop_contact(struct gd__taut *taut, uint32_t i)
     return GD_OK;
 }
 
-/* Returns true if the second contact begins on the first one, or before it ends. */
+/* Returns true if the second contact begins before the end of the first one, or exactly there. */
 static bool contacts_overlap(const struct gd__contact *a, const struct gd__contact *b)
 {
     return a->loop == b->loop && a->span == b->span && a->direction == b->direction &&
@@ -199,7 +202,7 @@ static bool contacts_overlap(const struct gd__contact *a, const struct gd__conta
            (b->begin - a->end) * a->direction <= 0;
 }
 
-/* Makes one contact of neighbouring contacts that overlap. */
+/* Merges neighbouring contacts that overlap. */
 static void merge_contacts(struct gd__taut *taut)
 {
     for (uint32_t i = 0; i + 1 < taut->contacts.count;) {
@@ -222,8 +225,8 @@ static void merge_contacts(struct gd__taut *taut)
 
 /* --- bounds ----------------------------------------------------------------------------------- */
 
-/* Bounds the contacts on the span at which the path begins or ends, so that no contact passes the
- * path's end. */
+/* Sets bounds for the contacts on the span where the path begins or ends, so that no contact
+ * extends beyond the path's end. */
 static void bound_contacts(struct gd__taut *taut, int side)
 {
     const struct gd_parametric *surface = taut->task->surface;
@@ -250,12 +253,14 @@ static void bound_contacts(struct gd__taut *taut, int side)
 
 /* --- steps of contacts ------------------------------------------------------------------------ */
 
-/* The conditions of one contact. */
+/* The values that determine whether a contact satisfies its conditions. */
 struct stand {
     struct gd__contact_place begin, end;
     bool has_in, has_out;
     double in, out; /* pressing angles into the contact and out of it; 0 at an end of the path */
-    double whole;   /* from the direction in to the direction out */
+    /* pressing angle from the direction in which the path arrives to the direction in which it
+       leaves */
+    double whole;
 };
 
 static struct stand stand_of(const struct gd__taut *taut, uint32_t i)
@@ -276,8 +281,8 @@ static struct stand stand_of(const struct gd__taut *taut, uint32_t i)
     return stand;
 }
 
-/* Returns the parameter of a contact's end after a step towards the place where its angle is 0.
- * `sign`: 1 for the end, -1 for the beginning. */
+/* Returns the parameter of one end of a contact after a step towards the place where its angle is
+ * 0. `sign` is 1 for the contact's end, -1 for its beginning. */
 static double moved(const struct gd__taut *taut, const struct gd__contact *contact, double t,
                     const struct gd__contact_place *place, double angle, int sign)
 {
@@ -294,8 +299,8 @@ static double moved(const struct gd__taut *taut, const struct gd__contact *conta
     return fmin(fmax(t, contact->least), contact->most);
 }
 
-/* Returns by how much an end violates its condition: its angle, or 0 if the end is at a bound and
- * would move beyond it. */
+/* Returns the amount by which one end of a contact violates its condition: its angle, or 0 if the
+ * end is at a bound and would move beyond this bound. */
 static double held_angle(const struct gd__contact *contact, double t, double angle, int sign)
 {
     double limit = sign * contact->direction > 0 ? contact->most : contact->least;
@@ -318,10 +323,10 @@ static bool is_reversed(const struct gd__contact *contact, const struct stand *s
            fabs(stand->in) > M_PI_2 && fabs(stand->out) > M_PI_2;
 }
 
-/* DROPPED: the list of contacts changed, or a contact turned around. */
+/* DROPPED: a contact was removed, or its direction was reversed. */
 enum step { STEP_DONE, STEP_MOVED, STEP_DROPPED };
 
-/* Moves the ends of contact i, or removes the contact. *most is raised to the largest angle. */
+/* Moves the ends of contact i, or removes the contact. Increases *most to the largest angle. */
 static enum gd_status step_contact(struct gd__taut *taut, uint32_t i, enum step *step, double *most)
 {
     struct gd__contact *contact = &taut->contacts.items[i];
@@ -355,8 +360,8 @@ static enum gd_status step_contact(struct gd__taut *taut, uint32_t i, enum step 
     return GD_OK;
 }
 
-/* If a contact ends at an end of its span and would move farther, adds a contact on the next span.
- * Returns GD_OK and sets *added. */
+/* If a contact ends at an end of its span and would move farther, adds a contact on the next span
+ * and sets *added. */
 static enum gd_status spill_contact(struct gd__taut *taut, uint32_t i, bool *added)
 {
     const struct gd__contact contact = taut->contacts.items[i];
@@ -373,7 +378,7 @@ static enum gd_status spill_contact(struct gd__taut *taut, uint32_t i, bool *add
             (contact.span + loop->span_count + (uint32_t)(way > 0 ? 1 : -1)) % loop->span_count;
         next.least = 0, next.most = 1;
         next.begin = next.end = way > 0 ? 0 : 1;
-        /* there may be a contact on the next span already */
+        /* the next span may already have a contact */
         uint32_t other = sign > 0 ? i + 1 : i - 1;
         if (other < taut->contacts.count && taut->contacts.items[other].loop == next.loop &&
             taut->contacts.items[other].span == next.span)
@@ -433,7 +438,7 @@ static enum gd_status split_contact(struct gd__taut *taut, uint32_t i, bool *spl
 
 /* --- gaps that leave the domain --------------------------------------------------------------- */
 
-/* Adds a contact where gap `number` is farthest outside. */
+/* Adds a contact at the place where gap `number` is farthest outside the domain. */
 static enum gd_status add_leaving(struct gd__taut *taut, uint32_t number,
                                   const struct gd__leaving *leaving)
 {
@@ -478,7 +483,8 @@ static enum gd_status check_gaps(struct gd__taut *taut, bool *inside)
 
 /* --- the path --------------------------------------------------------------------------------- */
 
-/* One round: solves the gaps, then moves or removes contacts. Sets *changed if the path changed. */
+/* Performs one round: solves the gaps, then moves or removes contacts. Sets *changed if the path
+ * has changed. */
 static enum gd_status taut_round(struct gd__taut *taut, bool *changed)
 {
     enum gd_status status = GD_OK;
@@ -523,7 +529,8 @@ static enum gd_status taut_iterate(struct gd__taut *taut)
         bound_contacts(taut, 1);
         status = taut_round(taut, &changed);
         if (status || changed) continue;
-        /* the last step moved contacts a little: solve the gaps between their final places */
+        /* the last step has moved contacts a little, so the gaps are solved again between the final
+           places */
         for (uint32_t i = 0; i < taut->gap_count && !status; i++) status = gap_solve(taut, i);
         if (!status) status = check_gaps(taut, &inside);
     }

@@ -25,7 +25,7 @@
 
 struct gd__gap {
     struct gd__uv_polyline line; /* initial path */
-    bool is_solved, is_empty;    /* is_empty: both ends are the same place */
+    bool is_solved, is_empty;    /* `is_empty` is true if both ends are the same place */
     struct gd__solution solution;
 };
 
@@ -34,11 +34,12 @@ struct gd__taut {
     const struct gd_domain_curve *const *ends; /* 2 */
     double s[2];                               /* parameters of the path's ends on the curves */
     struct gd__contacts contacts;
-    uint32_t gap_count, gap_capacity; /* contacts.count + 1; gap i leads to contact i */
+    /* there are contacts.count + 1 gaps; gap i leads to contact i */
+    uint32_t gap_count, gap_capacity;
     struct gd__gap *gaps;
-    double residual; /* largest angle by which the path is not taut */
+    double residual; /* largest angle by which the path violates a condition */
     double length, error;
-    bool is_taut; /* all conditions hold */
+    bool is_taut; /* true if all conditions hold */
 };
 
 /* Computes the taut path of a seed. `out->is_taut` is false if the conditions do not hold after a
@@ -49,13 +50,14 @@ GD_MUST_USE enum gd_status gd__taut_solve(const struct gd__task *task,
 
 void gd__taut_free(struct gd__taut *taut);
 
-/* Sets *inside if a gap does not leave the domain. Otherwise sets `out` to the place of a loop
- * nearest to the worst place `at`, and *position to its place on the gap's sampled polyline. */
+/* The place `at` where a gap is farthest outside the domain, the nearest place of the loops, and
+ * the gap's velocity there. gd__gap_check sets *inside to true if the gap does not leave the
+ * domain, and otherwise fills this struct. */
 struct gd__leaving {
     struct gd__loop_place place;
     double at[2];
     struct gd_vec3 velocity;
-    uint32_t sample; /* of `samples` */
+    uint32_t sample; /* index of the last sample before `at` */
     struct gd__uv_polyline samples;
 };
 GD_MUST_USE enum gd_status gd__gap_check(const struct gd__chain *chain, bool *inside,

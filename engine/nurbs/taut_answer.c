@@ -22,7 +22,7 @@ static const double same_path = 1e-7;
 /* A taut path is made from a path on the tessellation. The taut path is rejected if the two lengths
  * differ by more than this fraction. */
 static const double mesh_error = 0.1;
-/* An unproven path may be the shortest one if its length on the mesh exceeds the least length by
+/* An unproven path may be the shortest one if its length on the mesh exceeds the smallest length by
  * less than this fraction. */
 static const double doubt = 0.02;
 
@@ -43,8 +43,8 @@ static void contact_part(const struct gd_parametric *surface, const struct gd__c
     }
 }
 
-/* Computes the control points of a spline by Hermite interpolation. Each end of a span is a double
- * knot. */
+/* Computes the control points of a spline by Hermite interpolation. Each end of a span is a knot of
+ * multiplicity two. */
 static void fill_spline(const struct gd_parametric *surface, const struct gd__contact *contact,
                         uint32_t spans, struct gd_geodesic_piece *out)
 {
@@ -184,7 +184,7 @@ enum gd_status gd__taut_answer(const struct gd__taut *taut, struct gd_geodesic *
 
 /* --- all paths -------------------------------------------------------------------------------- */
 
-/* A path with its middle, by which duplicates are recognised. */
+/* A path with its middle. Duplicates are recognised by the middle. */
 struct found {
     struct gd__taut taut;
     struct gd_vec3 middle;

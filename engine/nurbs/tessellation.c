@@ -6,7 +6,7 @@
 
 /* --- nodes to vertices ------------------------------------------------------------------------ */
 
-/* Returns the first of all nodes at the same point. */
+/* Returns the first node among all nodes at the same point. */
 static uint32_t representative(const struct gd_parametric *surface, const struct gd__grid *grid,
                                uint32_t node)
 {
@@ -70,7 +70,8 @@ static void add_face(struct gd_tessellation *t, uint32_t a, uint32_t b, uint32_t
     memcpy(t->corners[t->polygons.polygon_count++], nodes, sizeof nodes);
 }
 
-/* Adds the two triangles of a cell, along the shorter diagonal; at a pole only one. */
+/* Adds the two triangles of a cell, divided along its shorter diagonal. At a pole, adds only one
+ * triangle. */
 static void fill_cell(struct gd_tessellation *t, uint32_t i, uint32_t j)
 {
     uint32_t columns = t->grid.steps[1] + 1, a = i * columns + j, b = a + columns, c = b + 1,

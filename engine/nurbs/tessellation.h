@@ -13,11 +13,11 @@ struct gd_tessellation {
     struct gd__grid grid;
     struct gd_polygons polygons;
     struct gd_mesh *mesh;
-    uint32_t *vertex_of;    /* node -> vertex */
-    uint32_t *node_of;      /* vertex -> its first node */
-    uint32_t (*corners)[3]; /* face -> nodes of its cell */
-    /* cell -> its first face, with one more entry; a cell at a pole has one face, others have
-       two */
+    uint32_t *vertex_of;    /* for each node, its vertex */
+    uint32_t *node_of;      /* for each vertex, its first node */
+    uint32_t (*corners)[3]; /* for each face, the nodes that are its corners */
+    /* for each cell, its first face, and one more entry at the end; a cell at a pole has one face,
+       others have two */
     uint32_t *first_face;
     /* Trimmed surfaces only: the parameters of each node. `first_face` is then NULL. */
     uint32_t node_count;
@@ -37,9 +37,9 @@ static inline void gd__node_parameters(const struct gd_tessellation *t, uint32_t
     uv[1] = t->node_uv ? t->node_uv[node][1] : grid->at[1][node % (grid->steps[1] + 1)];
 }
 
-/* Makes nodes, vertices and faces of a trimmed surface, from the grid. The boundary edges lie on
- * the loops, to GD__LOOPS_SAG. Errors: GD_TOO_LARGE, GD_INTERNAL, GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE. */
+/* Makes nodes, vertices and faces of a trimmed surface, from the grid. The boundary edges deviate
+ * from the loops by at most GD__LOOPS_SAG. Errors: GD_TOO_LARGE, GD_INTERNAL, GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__tessellation_trim(struct gd_tessellation *tessellation,
                                                  const struct gd_control *control);
 

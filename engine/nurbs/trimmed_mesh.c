@@ -7,9 +7,9 @@
 #include "loops/triangulation.h"
 #include "nurbs/tessellation.h"
 
-/* Least ratio of the two widths of the lattice. */
+/* Smallest ratio of the two widths of the lattice. */
 static const double least_width = 1.0 / 16;
-/* Grid nodes nearer to a loop than this are omitted, in grid steps. */
+/* Grid nodes that are nearer to a loop than this are omitted. In grid steps. */
 static const double clearance = 0.5;
 
 enum { MARKS_A_STEP = 4 };
@@ -18,9 +18,9 @@ struct meshing {
     struct gd_tessellation *t;
     struct gd__pace pace;
     struct gd__loop_samples samples;
-    bool *omitted;       /* grid nodes near a loop */
-    uint32_t *number_of; /* grid node -> place */
-    uint32_t count;      /* places: samples, then grid nodes */
+    bool *omitted;       /* for each grid node, true if it is near a loop */
+    uint32_t *number_of; /* for each grid node, its place */
+    uint32_t count;      /* number of places: first the samples of loops, then the grid nodes */
     double (*uv)[2];
     struct gd__lattice_node *nodes;
     uint32_t segment_count;
@@ -163,8 +163,8 @@ static enum gd_status triangulate(struct meshing *m)
     return status == GD_INVALID_ARGUMENT ? GD_INTERNAL : status;
 }
 
-/* Moves a place to the representative of its point: on a seam from the high to the low end of the
- * closed direction, at a pole to the pole's first place. */
+/* Replaces a place by the representative of its point. On a seam, this is the place at the low end
+ * of the closed direction. At a pole, it is the first place of the pole. */
 static void represent(const struct gd_parametric *surface, double at[2])
 {
     for (int k = 0; k < 2; k++) {
@@ -188,7 +188,7 @@ static int by_place(const void *x, const void *y)
     return p->node < q->node ? -1 : p->node > q->node;
 }
 
-/* Makes one vertex for all nodes that are one point of the surface. */
+/* Makes one vertex for all nodes that are the same point of the surface. */
 static enum gd_status make_vertices(struct gd_tessellation *t, struct gd__pace *pace)
 {
     struct place *places = malloc((t->node_count + (size_t)1) * sizeof *places);
@@ -225,7 +225,7 @@ static void make_faces(struct gd_tessellation *t, const struct gd__triangulation
     }
 }
 
-/* Makes nodes of the places that are corners of triangles, and renumbers them. */
+/* Makes a node of each place that is a corner of a triangle, and renumbers these places. */
 static enum gd_status take_nodes(struct meshing *m)
 {
     struct gd_tessellation *t = m->t;

@@ -7,7 +7,7 @@
 #include "base/array.h"
 #include "nurbs/bspline.h"
 
-enum { PARTS = 4 }; /* samples of a span in gd__uv_polyline_of_chain */
+enum { PARTS = 4 }; /* number of samples of a span in gd__uv_polyline_of_chain */
 
 void gd__uv_polyline_free(struct gd__uv_polyline *polyline)
 {
@@ -18,7 +18,8 @@ void gd__uv_polyline_free(struct gd__uv_polyline *polyline)
 
 enum gd_status gd__uv_polyline_add(struct gd__uv_polyline *polyline, const double at[2])
 {
-    /* the capacity of the first array; after a failure the second may be smaller */
+    /* capacity of the first array; if extending the second array failed before, it may be
+       smaller */
     uint32_t capacity = polyline->capacity;
     enum gd_status status = gd__array_extend(&polyline->at, &capacity, polyline->count + 1ULL,
                                              sizeof *polyline->at, NULL);

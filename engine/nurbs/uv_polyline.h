@@ -6,9 +6,9 @@
 #include "nurbs/chain.h"
 
 struct gd__uv_polyline {
-    uint32_t count, capacity; /* count is at least 2 when the polyline is measured */
+    uint32_t count, capacity; /* `count` must be at least 2 when the polyline is measured */
     double (*at)[2];
-    double *arc; /* for each place, length of the chords in space up to it */
+    double *arc; /* for each place, length of the chords in space from the beginning to it */
 };
 
 void gd__uv_polyline_free(struct gd__uv_polyline *polyline);
@@ -36,15 +36,15 @@ struct gd__fit {
     uint32_t degree,
         spans; /* number of spans, distributed over the pieces by length; at least one each */
     struct gd__joint from, to;
-    bool whole; /* one piece through all cells */
-    /* fraction of a cell's width: a path that passes a corner of cells nearer than this continues
-       directly in the opposite cell */
+    bool whole; /* true if the chain is one piece through all cells */
+    /* As a fraction of a cell's width: if a path passes a corner of cells nearer than this, it
+       continues directly in the opposite cell. */
     double corner;
 };
 
-/* Fits a chain to a polyline, divided where it crosses lines of the surface. Excursions of less
- * than GD_TOL_CELL of a cell are ignored. Errors: GD_NO_MEMORY, GD_BUDGET, GD_INTERNAL (more
- * crossings than a shortest path has). */
+/* Fits a chain to a polyline. Divides it where it crosses lines of the surface. Ignores parts that
+ * leave a cell by less than GD_TOL_CELL of the cell's width. Errors: GD_NO_MEMORY, GD_BUDGET,
+ * GD_INTERNAL (more crossings than a shortest path has). */
 GD_MUST_USE enum gd_status gd__chain_fit(const struct gd_parametric *surface,
                                          const struct gd__uv_polyline *polyline,
                                          const struct gd__fit *fit, struct gd__pace *pace,
