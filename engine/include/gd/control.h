@@ -1,7 +1,7 @@
 /* Control of long calls: byte budget, deadline, progress, cancel.
  *
- * Every long call takes a `const struct gd_control *`. NULL and an all-zero struct mean no limits
- * and no reports. A call checks its control at least once in a millisecond of its own work. When a
+ * Every long call has a parameter `const struct gd_control *`. NULL and an all-zero struct mean no
+ * limits and no reports. A call checks its control after at most a millisecond of work. When a
  * limit is exceeded, the call stops with GD_BUDGET, GD_DEADLINE or GD_CANCELLED and leaks
  * nothing. */
 #ifndef GD_CONTROL_H
@@ -18,9 +18,9 @@ GD_EXTERN_C_BEGIN
 struct gd_control {
     /* largest number of bytes held at any time, including the result; 0 means no limit */
     size_t budget_bytes;
-    uint64_t deadline_ns; /* on the clock of gd_now_ns(); 0 means no deadline */
-    /* Called on the calling thread with the completed fraction of the work, in [0,1], never
-       decreasing. Return false to cancel the call. May be NULL. */
+    uint64_t deadline_ns; /* time of the clock gd_now_ns(); 0 means no deadline */
+    /* Called on the calling thread with the completed fraction of the work, in [0,1], which never
+       decreases. Must return false to cancel the call. May be NULL. */
     bool (*progress)(void *user, double fraction);
     void *user;
     struct gd_workspace *workspace; /* memory reused between calls, gd/workspace.h; may be NULL */

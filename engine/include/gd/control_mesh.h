@@ -12,7 +12,7 @@ GD_EXTERN_C_BEGIN
 
 struct gd_crease {
     uint32_t vertices[2]; /* the ends of an edge */
-    /* >= 0; 0 means smooth; at least GD_SHARPNESS_INFINITE: infinitely sharp */
+    /* >= 0; 0 means smooth, and GD_SHARPNESS_INFINITE or more means infinitely sharp */
     double sharpness;
 };
 
@@ -25,8 +25,9 @@ struct gd_corner {
  * infinitely sharp creases. */
 enum gd_interpolate_boundary {
     GD_INTERPOLATE_EDGE_AND_CORNER, /* boundary vertices of only one face are corners */
-    GD_INTERPOLATE_EDGE_ONLY,       /* the boundary curve is smooth at those vertices too */
-    /* no surface next to the boundary; accepted only for meshes without boundary */
+    /* the boundary curve is also smooth at boundary vertices of only one face */
+    GD_INTERPOLATE_EDGE_ONLY,
+    /* there is no surface next to the boundary; accepted only for meshes without boundary */
     GD_INTERPOLATE_NONE
 };
 
@@ -44,11 +45,11 @@ void gd_control_mesh_free(struct gd_control_mesh *mesh);
 /* Reads a mesh file as gd_read_polygons does. From an OBJ file it also reads OpenSubdiv's tags: `t
  * crease N/M/0 v0 v1 ... s ...` (a chain of N vertices with one sharpness, or with one for each
  * edge), `t corner N/M/0 v ... s ...`, `t interpolateboundary 1/0/0 i` (0 none, 1 edge and corner,
- * 2 edge only). Tags count vertices from zero, although faces count them from one. Tags of texture
- * coordinates are skipped. `options` and `detail` may be NULL; the caller frees `*out` by
- * gd_control_mesh_free. Thread-safe; time and memory as gd_read_polygons. Errors: those of
- * gd_read_polygons; GD_UNSUPPORTED (another tag, such as a hole), GD_SYNTAX, GD_INDEX.
- * gd_subdivision_create checks that a crease is an edge and that its sharpness is valid. */
+ * 2 edge only). Tags number vertices from zero, although faces number them from one. Tags of
+ * texture coordinates are skipped. `options` and `detail` may be NULL. The caller frees `*out` by
+ * gd_control_mesh_free. Thread-safe. Time and memory are those of gd_read_polygons. Errors: those
+ * of gd_read_polygons; GD_UNSUPPORTED (another tag, such as a hole), GD_SYNTAX, GD_INDEX. Whether a
+ * crease is an edge and has a valid sharpness is checked later, by gd_subdivision_create. */
 GD_MUST_USE enum gd_status gd_read_control_mesh(const void *bytes, size_t size,
                                                 const struct gd_read_options *options,
                                                 struct gd_control_mesh *out,

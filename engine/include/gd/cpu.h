@@ -7,10 +7,10 @@
 
 GD_EXTERN_C_BEGIN
 
-/* Selects kernels by name: "baseline" (any machine), "avx2", "avx512", or "auto" (the default): the
- * best that this machine supports. The choice holds for the whole process: call it before any other
- * work. O(1). Errors: GD_INVALID_ARGUMENT (unknown name), GD_UNSUPPORTED (this machine lacks the
- * instructions). */
+/* Selects kernels by name: "baseline" (runs on any machine), "avx2", "avx512", or "auto" (the
+ * default), which selects the best kernels that this machine supports. The selection is valid for
+ * the whole process, so call this function before any other work. O(1). Errors: GD_INVALID_ARGUMENT
+ * (unknown name), GD_UNSUPPORTED (this machine does not have the instructions). */
 GD_MUST_USE enum gd_status gd_cpu_select(const char *name);
 
 /* Returns the name of the kernels in use, a static string. Thread-safe. */

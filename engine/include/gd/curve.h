@@ -21,11 +21,13 @@ GD_EXTERN_C_BEGIN
 struct gd_curve {
     struct gd_point *points; /* owned; consecutive points differ */
     uint32_t count;          /* at least 1 */
-    /* the last point is joined to the first, which is not repeated; they lie within one face */
+    /* true if the last point is joined to the first; the first point is not repeated, and both lie
+       in one face */
     bool closed;
 };
 
-void gd_curve_free(struct gd_curve *curve); /* frees the points and zeroes; NULL is allowed */
+/* Frees the points and zeroes the struct. NULL is allowed. */
+void gd_curve_free(struct gd_curve *curve);
 
 /* Returns the sum of the lengths of the curve's segments, in the mesh's unit. O(points).
  * Thread-safe. */
@@ -40,21 +42,23 @@ enum gd_curve_kind {
 /* Describes a curve. The arrays are borrowed. */
 struct gd_curve_request {
     enum gd_curve_kind kind;
-    bool closed;    /* the last point is joined to the first; ignored for a boundary */
+    bool closed;    /* true if the last point is joined to the first; ignored for a boundary */
     uint32_t count; /* number of points or vertices, at least 1 */
     const struct gd_point *points;
     const struct gd_vertex *vertices;
-    uint32_t boundary;                    /* number of the boundary loop, as in gd_mesh_boundary */
-    const struct gd_landmarks *landmarks; /* of the same mesh, to speed up searches; may be NULL */
+    uint32_t boundary; /* number of the boundary loop, as in gd_mesh_boundary */
+    /* landmarks of the same mesh, which make searches faster; may be NULL */
+    const struct gd_landmarks *landmarks;
 };
 
-/* Computes the curve of a request; the caller frees it by gd_curve_free. A point equal to its
- * predecessor is left out. A point within 4e-12 of an edge or a vertex, in barycentric coordinates,
- * is moved onto it. A closed curve of two points runs from the first to the second and back.
- * `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (no points, or points on
+/* Computes the curve of a request; the caller frees it by gd_curve_free. A point that is equal to
+ * the previous point is omitted. A point within 4e-12 of an edge or a vertex, in barycentric
+ * coordinates, is moved onto it. A closed curve of two points runs from the first to the second and
+ * back. `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (no points, or points on
  * different components), GD_OUT_OF_RANGE, GD_UNREFERENCED_VERTEX, GD_NO_SUCH_EDGE, GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, and those of gd_pair_solve. Cost: that of gd_pair_solve for
- * each pair of points; otherwise linear in the size of the curve. Thread-safe. */
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, and those of gd_pair_solve. Cost: for GD_CURVE_POINTS, that
+ * of gd_pair_solve for each pair of consecutive points; otherwise linear in the size of the curve.
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_curve_resolve(const struct gd_mesh *mesh,
                                             const struct gd_curve_request *request,
                                             const struct gd_control *control, struct gd_curve *out,
@@ -66,10 +70,11 @@ GD_MUST_USE enum gd_status gd_curve_resolve(const struct gd_mesh *mesh,
 uint32_t gd_curve_seed_count(const struct gd_curve *curve);
 void gd_curve_seeds(const struct gd_curve *curve, double offset, struct gd_seed *out);
 
-/* Numbers the parts of points and curves among the seeds of a set, from 0 on, and returns the
- * number of parts. Writes the part of each seed to `out`. A point is one part. A curve, whose seeds
- * are as in gd_curve_seeds, is divided at its corners: the points where it turns by more than
- * `turn` radians. A corner belongs to the part that begins there. O(seeds). Thread-safe. */
+/* Divides the points and curves of a set of seeds into parts. Writes the number of each seed's
+ * part, from 0 on, to `out`, and returns the number of parts. A point is one part. A curve must
+ * have the seeds from gd_curve_seeds. It is divided at its corners, the points where it turns by
+ * more than `turn` radians. A corner belongs to the part that begins there. O(seeds).
+ * Thread-safe. */
 uint32_t gd_curve_parts(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count,
                         double turn, uint32_t *out);
 

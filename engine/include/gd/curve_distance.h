@@ -1,5 +1,5 @@
 /* Curve distance: the exact least distance between two curves on a surface, and the greatest
- * distance of one curve from the other curve.
+ * distance of the points of one curve from the other curve.
  *
  *     gd_curve_seeds(&a, 0, seeds);                     // the field of one curve, built once
  *     ... gd_field_build(mesh, &request, NULL, &field_of_a, NULL);
@@ -9,9 +9,9 @@
  *         gd_curve_distance_free(&distance);
  *     }
  *
- * Along a segment of the other curve, the field's distance is the lower envelope of the distances
- * from a few sources. The extremes of this envelope have closed forms. In all functions `control`
- * may be NULL. Thread-safe. */
+ * Along a segment of the other curve, the field's distance is the minimum of the distances from a
+ * few sources. The least and the greatest value of this minimum are computed by closed formulas. In
+ * all functions `control` may be NULL. Thread-safe. */
 #ifndef GD_CURVE_DISTANCE_H
 #define GD_CURVE_DISTANCE_H
 
@@ -30,7 +30,7 @@ struct gd_curve_place {
 };
 
 struct gd_curve_distance {
-    /* INFINITY means no path between the curves; the other members are then undefined */
+    /* INFINITY if there is no path between the curves; the other members are then undefined */
     double distance;
     struct gd_curve_place a, b;
     struct gd_path path; /* from a to b */
@@ -40,10 +40,10 @@ struct gd_curve_distance {
 void gd_curve_distance_free(struct gd_curve_distance *distance);
 
 /* Computes the least distance between a point of `a` and a point of `b`. `field` must have the
- * seeds gd_curve_seeds(a, 0). Curves that meet have distance 0 and a common point. Errors:
- * GD_INVALID_ARGUMENT (the field has another number of seeds), GD_BEYOND_REACH (a partial field),
- * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (the path's length differs from the
- * distance). O(wedges of the edges around b). */
+ * seeds gd_curve_seeds(a, 0). If the curves meet, the distance is 0 and the two points are the same
+ * point. Errors: GD_INVALID_ARGUMENT (the field has another number of seeds), GD_BEYOND_REACH (a
+ * partial field), GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (the path's length differs
+ * from the distance). O(wedges of the edges around b). */
 GD_MUST_USE enum gd_status gd_curve_distance(const struct gd_field *field, const struct gd_curve *a,
                                              const struct gd_curve *b,
                                              const struct gd_control *control,

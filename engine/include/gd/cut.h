@@ -21,54 +21,56 @@ GD_EXTERN_C_BEGIN
 struct gd_cut_request { /* all borrowed */
     /* closed, or from one boundary point to another; may cross itself */
     const struct gd_curve *curve;
-    /* returns only the piece that contains this point; NULL returns all pieces */
+    /* if not NULL, only the piece that contains this point is returned */
     const struct gd_point *inside;
-    bool select_only; /* assigns whole faces to pieces instead of making meshes */
+    bool select_only; /* true if whole faces are assigned to pieces, and no meshes are made */
 };
 
 struct gd_cut_piece {
-    /* Triangles in the caller's unit. First come vertices of the parent mesh in order of their
-       indices, then new vertices. Empty with select_only. */
+    /* Triangles in the caller's unit. First come vertices of the parent mesh (the mesh that is cut)
+       in order of their indices, then new vertices. Empty if select_only is set. */
     struct gd_polygons polygons;
-    /* for each position, index of the parent's vertex; GD_NONE means new vertex. NULL with
-       select_only */
+    /* for each position, index of the parent's vertex, or GD_NONE for a new vertex; NULL if
+       select_only is set */
     uint32_t *vertex_map;
-    /* For each triangle, the parent's face that contains it, in ascending order. With select_only:
-       the faces of the region. Each face of the parent then belongs to one region: a crossed face
-       to the region with most of its area, in a tie to the first. */
+    /* For each triangle, the parent's face that contains it, in ascending order. If select_only is
+       set, the faces of the region. Each face of the parent then belongs to one region. A face that
+       the curve crosses belongs to the region that has the largest part of its area, in a tie to
+       the first of these regions. */
     uint32_t *face_map;
     uint32_t face_count;
-    double area; /* exact area on this side of the curve, also with select_only */
+    double area; /* exact area on this side of the curve, even if select_only is set */
 };
 
 struct gd_cut {
     /* true if the cut mesh has more components; false if the cut only opens the mesh */
     bool separates;
     uint32_t piece_count;
-    /* One piece for each component of the cut mesh, also if the curve does not meet it; ordered by
-       lowest face. */
+    /* One piece for each component of the cut mesh, even for a component that the curve does not
+       meet. Ordered by their lowest faces. */
     struct gd_cut_piece *pieces;
-    double largest_shift; /* largest displacement of the curve, see gd_cut_along */
+    double largest_shift; /* largest distance by which the curve was moved, see gd_cut_along */
     size_t bytes;         /* size of all arrays above */
 };
 
-void gd_cut_free(struct gd_cut *cut); /* frees the pieces and zeroes; NULL is allowed */
+void gd_cut_free(struct gd_cut *cut); /* Frees the pieces and zeroes the struct. NULL is allowed. */
 
 /* Cuts `mesh` along a curve.
  *
- * The curve is snapped to a vertex, an edge or itself if it passes closer than a millionth of the
- * face's longest edge (up to a hundredth in faces that are nearly degenerate). Thus no new face is
- * too flat for computations. A part of the curve cuts nothing if it runs along the boundary, or
- * returns along itself without enclosing an area. If the curve crosses itself, each loop is cut
- * out: a figure of eight gives three pieces. Exact integer arithmetic decides the crossings and the
- * triangulation of crossed faces.
+ * If the curve passes a vertex, an edge or another part of itself at a distance below a millionth
+ * of the face's longest edge, it is moved there. In faces that are nearly degenerate, the distance
+ * may be up to a hundredth. So no new face is too flat for computations. A part of the curve does
+ * not cut the mesh if it runs along the boundary, or if it runs back along itself without enclosing
+ * an area. If the curve crosses itself, each of its loops is cut out: a figure of eight gives three
+ * pieces. Crossings and the triangulation of crossed faces are computed in exact integer
+ * arithmetic.
  *
  * The caller frees `*out` by gd_cut_free. Errors: GD_INVALID_ARGUMENT (an open curve whose ends are
- * not both on the boundary, consecutive points without a common face, a curve that cuts nothing,
- * `inside` on the curve, a face that is too flat), GD_TOO_LARGE (too many crossings), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (the areas fail the self-check). Cost: linear
- * in the mesh, about 150 bytes a face; in each crossed face, quadratic in the number of curve
- * points. Thread-safe. */
+ * not both on the boundary, consecutive points without a common face, a curve that does not cut the
+ * mesh, `inside` on the curve, a face that is too flat), GD_TOO_LARGE (too many crossings),
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (the areas fail the self-check).
+ * Cost: linear in the mesh, about 150 bytes a face; in each crossed face, quadratic in the number
+ * of curve points. Thread-safe. */
 GD_MUST_USE enum gd_status gd_cut_along(const struct gd_mesh *mesh,
                                         const struct gd_cut_request *request,
                                         const struct gd_control *control, struct gd_cut *out,

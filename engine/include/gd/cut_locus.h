@@ -12,10 +12,10 @@
  *     }
  *
  * The cut locus is a graph of *ridges* of the distance. In a face, a ridge is a piece of a line, a
- * hyperbola or a parabola, as in a Voronoi diagram. Ridges end where three of them meet, on the
- * boundary, at a joint of a curve, and at vertices with a total angle below 2 pi: a ridge begins at
- * each such vertex. Behind a vertex where paths bend, all paths arrive from this vertex, so there
- * is no ridge, even if the vertex itself has several shortest paths.
+ * hyperbola or a parabola, as in a Voronoi diagram. A ridge ends where it meets two other ridges,
+ * on the boundary, at a joint of a curve, or at a vertex with a total angle below 2 pi. At each
+ * such vertex there is a ridge. Behind a vertex where paths bend, all paths arrive from this
+ * vertex, so there is no ridge, even if the vertex itself has several shortest paths.
  *
  * The angle of a ridge at a point is the angle between the two directions of arrival. A ridge that
  * begins at a joint of a curve has the angle by which the curve turns there. A ridge that begins at
@@ -28,15 +28,15 @@
 
 GD_EXTERN_C_BEGIN
 
-/* Paths whose directions of arrival differ by less count as one path. */
+/* Two paths count as one path if their directions of arrival differ by less than this angle. */
 #define GD_CUT_LOCUS_ANGLE 1e-3
 
 struct gd_cut_locus_options {
     /* largest distance of the polylines from the ridges; more than 0 */
     double tolerance;
-    /* A branch of the graph, from an end or a meeting point to the next, is omitted if its angle is
-       below `min_angle` at all of its points. Values below GD_CUT_LOCUS_ANGLE, such as 0, mean
-       GD_CUT_LOCUS_ANGLE. At most pi. */
+    /* A branch of the graph (from one end or meeting point to the next) is omitted if its angle is
+       below `min_angle` at all of its points. If `min_angle` is below GD_CUT_LOCUS_ANGLE, for
+       example 0, GD_CUT_LOCUS_ANGLE is used instead. At most pi. */
     double min_angle;
 };
 

@@ -4,8 +4,8 @@
  *     if (gd_direction_at_angle(mesh, &point, M_PI_2, &direction, NULL) == GD_OK)
  *         printf("%g\n", direction.xyz.z);
  *
- * Angles grow counter-clockwise as seen from outside. Angle zero is the following direction
- * (indices and order are those of the input):
+ * Angles increase counter-clockwise as seen from outside. The direction of angle zero depends on
+ * the point (indices and order are those of the input):
  *     in a face             the direction of its first edge, from its first corner to its second,
  *                           in the order of the input
  *     on an edge            from the lower-numbered vertex to the higher one. The surface is flat
@@ -26,29 +26,29 @@
 GD_EXTERN_C_BEGIN
 
 struct gd_direction {
-    double angle;       /* radians; in [0, 2 pi), at a boundary vertex in [0, total angle] */
+    double angle;       /* radians; in [0, 2 pi), or at a boundary vertex in [0, total angle] */
     struct gd_vec3 xyz; /* unit vector */
     /* the face into which the direction leads; along an edge, one of its two faces */
     struct gd_face face;
 };
 
-/* Computes the direction at an angle. The angle may be any finite number; at the boundary the
- * direction must lead into the surface (to 1e-9). `detail` may be NULL. Errors: GD_INVALID_ARGUMENT
- * (not finite), GD_NOT_ON_SURFACE (the direction leads over the boundary). O(1); O(faces) at a
- * vertex. */
+/* Computes the direction at an angle. The angle may be any finite number. At the boundary, the
+ * direction must lead into the surface, with a tolerance of 1e-9. `detail` may be NULL. Errors:
+ * GD_INVALID_ARGUMENT (not finite), GD_NOT_ON_SURFACE (the direction leads over the boundary).
+ * O(1); O(faces) at a vertex. */
 GD_MUST_USE enum gd_status gd_direction_at_angle(const struct gd_mesh *mesh,
                                                  const struct gd_point *point, double angle,
                                                  struct gd_direction *out,
                                                  struct gd_detail *detail);
 
 /* Computes the direction of a vector of any length, projected onto the surface. In a face the
- * projection is perpendicular. On an edge the vector is projected perpendicularly into one of the
- * two faces. If both projections lie in their faces, the projection that turns the vector less is
- * used. If neither does, the vector is projected onto the edge. At a vertex the vector is projected
- * along the vertex normal (the mean of the faces' normals weighted by angle) into the face that it
- * meets. A tangent vector keeps its direction. `detail` may be NULL. Errors: GD_INVALID_ARGUMENT
- * (the vector is not finite, or its projection vanishes), GD_NOT_ON_SURFACE (the direction leads
- * over the boundary). O(1); O(faces) at a vertex. */
+ * projection is perpendicular. On an edge, the vector is projected perpendicularly into each of the
+ * two faces. If both projections lead into their faces, the projection that turns the vector less
+ * is used. If neither does, the vector is projected onto the edge. At a vertex the vector is
+ * projected along the vertex normal (the mean of the faces' normals weighted by angle) into the
+ * face that it meets. If the vector is already tangent, its direction does not change. `detail` may
+ * be NULL. Errors: GD_INVALID_ARGUMENT (the vector is not finite, or its projection vanishes),
+ * GD_NOT_ON_SURFACE (the direction leads over the boundary). O(1); O(faces) at a vertex. */
 GD_MUST_USE enum gd_status gd_direction_along(const struct gd_mesh *mesh,
                                               const struct gd_point *point, struct gd_vec3 vector,
                                               struct gd_direction *out, struct gd_detail *detail);
@@ -56,8 +56,8 @@ GD_MUST_USE enum gd_status gd_direction_along(const struct gd_mesh *mesh,
 /* Returns the straight continuation of a line that arrives at the point. `back` is the direction
  * from the point back along the line. The continuation is half a turn (pi) from `back`, which is
  * half of the total angle except at a boundary vertex. If the continuation leads over the boundary,
- * its angle is off the surface (at a vertex: larger than the total angle), and its vector is the
- * negative of the vector of `back`. O(1); O(faces) at a vertex. */
+ * its angle is not an angle on the surface (at a vertex, it is larger than the total angle), and
+ * its vector is the negative of the vector of `back`. O(1); O(faces) at a vertex. */
 struct gd_direction gd_direction_opposite(const struct gd_mesh *mesh, const struct gd_point *point,
                                           const struct gd_direction *back);
 

@@ -15,11 +15,11 @@
 GD_EXTERN_C_BEGIN
 
 struct gd_discretize_options {
-    /* Every edge of the control mesh becomes 2^level edges. At least 1 if the mesh has polygons
-       that are not quads (Loop: triangles), at most 12. */
+    /* Every edge of the control mesh is divided into 2^level edges. At most 12. At least 1 if a
+       Catmull-Clark mesh has polygons other than quads. */
     uint32_t level;
-    /* > 0: replaces `level` by the largest distance between triangles and surface; each face gets
-       the level that it needs */
+    /* If > 0, `level` is not used: each face gets the level that is needed so that the distance
+       between triangles and surface is at most this. */
     double tolerance;
     uint32_t max_faces; /* largest number of triangles; 0 means 2^28 */
 };
@@ -27,9 +27,9 @@ struct gd_discretize_options {
 /* `polygons` are triangles. The other arrays have one entry for each vertex. */
 struct gd_discretization {
     struct gd_polygons polygons;
-    /* for a vertex on an edge: its place in one of the edge's two faces */
+    /* a vertex on an edge has its place in one of the edge's two faces */
     struct gd_limit_point *places;
-    /* Unit normals. On a crease: the normal of one side. 0 where no normal exists. */
+    /* Unit normals; on a crease, the normal of one side; 0 where there is no normal. */
     struct gd_vec3 *normals;
 };
 
@@ -37,14 +37,15 @@ struct gd_discretization {
 void gd_discretization_free(struct gd_discretization *discretization);
 
 /* Triangulates the limit surface. The vertices lie exactly on it, at dyadic (u,v). Cells of quads
- * are divided along the shorter diagonal; cells of Loop triangles are triangles already. With a
- * tolerance each face has its own level, and an edge has the level of its finer face, so that there
- * are no cracks. The distance between triangles and surface is measured at sample points two levels
- * finer and on the chords of edges; it is not a proven bound. `options` and `control` may be NULL
- * (level 0); the caller frees `*out` by gd_discretization_free. Errors: GD_INVALID_ARGUMENT (level,
- * tolerance), GD_TOO_LARGE (over max_faces, or the tolerance needs more than level 12),
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: linear time, about 0.2 us a vertex and
- * 10 us a level for each irregular control face; 120 bytes a vertex. Thread-safe. */
+ * are divided along the shorter diagonal. Cells of Loop triangles are already triangles. If there
+ * is a tolerance, each face has its own level, and an edge has the level of its finer face, so that
+ * there are no cracks. The distance between triangles and surface is measured at sample points two
+ * levels finer, and on the chords of edges. It is not a proven bound. `control` may be NULL.
+ * `options` may be NULL, which means level 0. The caller frees `*out` by gd_discretization_free.
+ * Errors: GD_INVALID_ARGUMENT (level, tolerance), GD_TOO_LARGE (more than max_faces, or the
+ * tolerance needs a level above 12), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost:
+ * linear time, about 0.2 us a vertex and 10 us a level for each irregular control face; 120 bytes a
+ * vertex. Thread-safe. */
 GD_MUST_USE enum gd_status gd_discretize(const struct gd_subdivision *surface,
                                          const struct gd_discretize_options *options,
                                          const struct gd_control *control,

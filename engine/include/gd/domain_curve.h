@@ -4,11 +4,11 @@
  *     struct gd_domain_curve *line;
  *     if (gd_domain_curve_iso(torus, GD_ISO_U, 0.5, &line, &detail) == GD_OK) …
  *
- * All kinds are stored as B-splines. A polyline has degree 1 and its corners at the parameters 0,
- * 1, 2, …. An iso-parameter line runs through the whole domain, and its parameter is the other
- * coordinate. A curve is closed, with a periodic parameter, if its ends are the same point of the
- * surface; in a closed direction they may differ by periods. Curves are immutable: any number of
- * threads may read them. A curve keeps its surface alive. */
+ * All kinds are stored as B-splines. A polyline has degree 1, and its corners have the parameters
+ * 0, 1, 2, …. An iso-parameter line runs through the whole domain, and its parameter is the other
+ * coordinate. A curve is closed if its ends are the same point of the surface; in a closed
+ * direction, their coordinates may differ by periods. The parameter of a closed curve is periodic.
+ * Curves are immutable: any number of threads may read them. A curve keeps its surface alive. */
 #ifndef GD_DOMAIN_CURVE_H
 #define GD_DOMAIN_CURVE_H
 
@@ -17,7 +17,7 @@
 GD_EXTERN_C_BEGIN
 
 #define GD_DOMAIN_CURVE_COUNT_MAX 65536
-/* largest distance of a point from the domain in a closed direction, in periods */
+/* in a closed direction, a point may be this number of periods away from the domain */
 #define GD_DOMAIN_CURVE_PERIODS_MAX 1000000
 
 struct gd_domain_curve;
@@ -39,8 +39,8 @@ struct gd_domain_polyline {
     uint32_t count;             /* at least 2 */
 };
 
-/* Creates a polyline. In a closed direction corners may lie outside [low, high], so that a curve
- * can wind around. */
+/* Creates a polyline. In a closed direction, corners may lie outside [low, high], so that a curve
+ * can wind around the surface. */
 GD_MUST_USE enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface,
                                                     const struct gd_domain_polyline *polyline,
                                                     const struct gd_control *control,
@@ -49,7 +49,7 @@ GD_MUST_USE enum gd_status gd_domain_curve_polyline(const struct gd_parametric *
 
 struct gd_domain_bspline {
     uint32_t degree;
-    const double *knots; /* count + degree + 1 */
+    const double *knots; /* count + degree + 1 numbers */
     const double (*points)[2];
     uint32_t count;
 };
@@ -76,15 +76,15 @@ bool gd_domain_curve_is_closed(const struct gd_domain_curve *curve);
 /* Returns the range of the curve's parameter. */
 void gd_domain_curve_range(const struct gd_domain_curve *curve, double *low, double *high);
 
-/* Sets *inside if the curve stays within the loops of a trimmed surface, which is tested at up to
- * 4096 places. Otherwise sets `uv` to a place outside. Other surfaces contain all their curves.
- * `control` may be NULL. Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. Thread-safe. */
+/* Sets *inside to true if the curve stays within the loops of a trimmed surface, and otherwise sets
+ * `uv` to a place outside. Tests up to 4096 places. A surface that is not trimmed contains all its
+ * curves. `control` may be NULL. Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. Thread-safe. */
 GD_MUST_USE enum gd_status gd_domain_curve_inside(const struct gd_domain_curve *curve,
                                                   const struct gd_control *control, bool *inside,
                                                   double uv[2]);
 
-/* Computes (u, v) at the parameter `s`, which is wrapped on closed curves and clamped on others.
- * O(degree^2). Thread-safe. */
+/* Computes (u, v) at the parameter `s`. If `s` is out of range, it is wrapped on closed curves and
+ * clamped on other curves. O(degree^2). Thread-safe. */
 void gd_domain_curve_at(const struct gd_domain_curve *curve, double s, double uv[2]);
 
 GD_EXTERN_C_END

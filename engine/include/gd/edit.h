@@ -8,8 +8,8 @@
  *         gd_edited_free(&edited);
  *     }
  *
- * gd_mesh_build accepts the result without repair. The same input gives the same result, to the
- * last bit. Each vertex of the result has an origin: the corresponding point of the input. */
+ * gd_mesh_build accepts the result without repair. Equal inputs give equal results, to the last
+ * bit. Each vertex of the result has an origin: the corresponding point of the input. */
 #ifndef GD_EDIT_H
 #define GD_EDIT_H
 
@@ -26,13 +26,15 @@ struct gd_origin {
 
 struct gd_edited {
     struct gd_polygons polygons; /* triangles; every position is a corner of a triangle */
-    struct gd_origin *origins;   /* one for each position */
-    /* largest distance between result and input, in the input's unit: see gd_edit_deviation */
+    struct gd_origin *origins;   /* one origin for each position */
+    /* largest distance between result and input, in the input's unit, measured by
+       gd_edit_deviation */
     double largest_distance;
     size_t bytes; /* total size of the arrays */
 };
 
-void gd_edited_free(struct gd_edited *edited); /* frees and zeroes; NULL is allowed */
+/* Frees the arrays and zeroes the struct. NULL is allowed. */
+void gd_edited_free(struct gd_edited *edited);
 
 /* Computes the largest sampled distance between two surfaces: from the vertices of `mesh` to
  * `edited`, and from the midpoints of faces and edges of `edited` to `mesh`, in the mesh's unit.
@@ -44,23 +46,23 @@ GD_MUST_USE enum gd_status gd_edit_deviation(const struct gd_mesh *mesh,
                                              struct gd_detail *detail);
 
 struct gd_simplify_options {
-    /* stops at this number of faces; 0 stops when `max_distance` allows no further collapse */
+    /* stops at this number of faces; if 0, stops when `max_distance` allows no further collapse */
     uint32_t faces;
-    double max_distance; /* limit on largest_distance, a length; 0 means none */
+    double max_distance; /* limit on largest_distance, a length; 0 means no limit */
     /* true if boundary edges do not change; false if a quadric penalises changes of the boundary */
     bool keep_boundary;
 };
 
 /* Simplifies a mesh by edge collapses, in order of their quadric error. The remaining vertices keep
  * their positions and their order. A collapse is rejected if it turns a face by more than 90
- * degrees, makes a face so flat that gd_mesh_build would warn, or changes the topology. Vertices
- * with more than GD_EDIT_VALENCE_MOST neighbours, and their neighbours, are not removed. Therefore
- * the result may have more faces than requested.
+ * degrees, makes a face too flat, or changes the topology. Vertices with more than
+ * GD_EDIT_VALENCE_MOST neighbours are not removed, and neither are their neighbours. Because of
+ * these rules, the result may have more faces than requested.
  *
  * The caller frees `*out` by gd_edited_free. Errors: GD_INVALID_ARGUMENT (neither faces nor
  * max_distance, or an invalid length), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost:
- * expected O(n log n) time, about 150 bytes a face; with max_distance several times as long.
- * Thread-safe. */
+ * expected O(n log n) time, and about 150 bytes a face. With max_distance, the time is several
+ * times as long. Thread-safe. */
 GD_MUST_USE enum gd_status gd_simplify(const struct gd_mesh *mesh,
                                        const struct gd_simplify_options *options,
                                        const struct gd_control *control, struct gd_edited *out,
@@ -70,13 +72,13 @@ GD_MUST_USE enum gd_status gd_simplify(const struct gd_mesh *mesh,
 
 struct gd_components_options {
     uint32_t keep; /* number of components to keep; at least 1 */
-    uint32_t skip; /* number of largest components to leave out */
+    uint32_t skip; /* number of largest components to omit */
 };
 
-/* Sorts components by area, the largest first, and in a tie by their lowest face. Leaves out the
- * first `skip` of them, and keeps the next `keep`, or as many as there are. The caller frees `*out`
- * by gd_edited_free. Errors: GD_INVALID_ARGUMENT (also if no component is left), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: linear. Thread-safe. */
+/* Sorts components by area, the largest first, and in a tie by their lowest face. Omits the first
+ * `skip` components, and keeps the next `keep` ones, or all that are left if there are fewer. The
+ * caller frees `*out` by gd_edited_free. Errors: GD_INVALID_ARGUMENT (also if no component is
+ * left), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: linear. Thread-safe. */
 GD_MUST_USE enum gd_status gd_components(const struct gd_mesh *mesh,
                                          const struct gd_components_options *options,
                                          const struct gd_control *control, struct gd_edited *out,
@@ -88,8 +90,8 @@ enum gd_subdivide_scheme { GD_SUBDIVIDE_MIDPOINT, GD_SUBDIVIDE_LOOP, GD_SUBDIVID
 
 /* MIDPOINT divides each face into four coplanar faces. LOOP divides faces in the same way and moves
  * all vertices by Loop's weights. SQRT3 divides each face at its centroid and flips the old edges
- * (Kobbelt 2000); the boundary does not change. The vertices of the input come first, then one
- * vertex for each edge or face. */
+ * (Kobbelt 2000); the boundary does not change. In the result, the vertices of the input come
+ * first, then one vertex for each edge (MIDPOINT, LOOP) or face (SQRT3). */
 struct gd_subdivide_options {
     enum gd_subdivide_scheme scheme;
     uint32_t levels; /* 1 to GD_SUBDIVIDE_LEVELS_MOST */
@@ -102,17 +104,18 @@ enum gd_smooth_direction { GD_SMOOTH_TANGENTIAL, GD_SMOOTH_NORMAL, GD_SMOOTH_BOT
 struct gd_smooth_options {
     uint32_t iterations; /* 1 to GD_SMOOTH_ITERATIONS_MOST */
     enum gd_smooth_direction direction;
-    /* radians: an edge is a feature if the normals of its faces differ by more than this angle */
+    /* an edge is a feature if the normals of its faces differ by more than this angle, in
+       radians */
     double feature_angle;
 };
 
 #define GD_SMOOTH_ITERATIONS_MOST 1000
 
-/* Moves each vertex half of the way to the mean of its neighbours, `iterations` times. Tangential
- * moves make faces more regular; moves along the normal remove noise. Vertices on the boundary and
- * on features do not move. The caller frees `*out` by gd_edited_free. Errors: GD_INVALID_ARGUMENT,
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: linear for each iteration.
- * Thread-safe. */
+/* Moves each vertex half of the way to the mean of its neighbours, `iterations` times. Moves in the
+ * tangent plane make faces more regular. Moves along the normal remove noise. Vertices on the
+ * boundary and on features do not move. The caller frees `*out` by gd_edited_free. Errors:
+ * GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: linear for each
+ * iteration. Thread-safe. */
 GD_MUST_USE enum gd_status gd_smooth_mesh(const struct gd_mesh *mesh,
                                           const struct gd_smooth_options *options,
                                           const struct gd_control *control, struct gd_edited *out,
@@ -122,16 +125,16 @@ struct gd_fill_options {
     uint32_t max_edges; /* boundary loops with more edges stay open; 3 to GD_FILL_EDGES_MOST */
 };
 
-/* default for max_edges: a hole of this size takes a second or two */
+/* usual value of max_edges; filling a hole of this size takes one or two seconds */
 #define GD_FILL_EDGES      1000
 #define GD_FILL_EDGES_MOST 2000
 
 /* Fills each boundary loop of at most `max_edges` edges with triangles of least total area. The new
  * triangles are divided until they are as small as the faces around them, and then smoothed. The
  * faces and vertices of the input do not change; new faces and vertices come after them. A loop
- * stays open if only degenerate triangles would close it, if its triangles would cross each other
- * or those of another loop, or if it is the border of a single face. New triangles may cross faces
- * of the input. The caller frees `*out` by gd_edited_free. Errors: GD_INVALID_ARGUMENT;
+ * stays open if it could only be closed with degenerate triangles, if its triangles would cross
+ * each other or those of another loop, or if it is the border of a single face. New triangles may
+ * cross faces of the input. The caller frees `*out` by gd_edited_free. Errors: GD_INVALID_ARGUMENT;
  * GD_NOT_TRIANGULABLE, with the vertices of a loop, if no loop can be closed; GD_NO_MEMORY,
  * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. For a loop of n edges: O(n^3) time and 10 n^2 bytes.
  * Thread-safe. */
@@ -182,22 +185,23 @@ GD_MUST_USE enum gd_status gd_edit_apply(const struct gd_mesh *mesh,
 /* The components of an edited mesh: item i is the result of gd_components with keep = 1 and skip =
  * i. */
 struct gd_edited_parts {
-    struct gd_edited *items; /* each has the largest_distance of the whole edited mesh */
+    struct gd_edited *items; /* each item has the largest_distance of the whole edited mesh */
     uint32_t count;
     size_t bytes; /* total size of all items */
 };
 
-void gd_edited_parts_free(struct gd_edited_parts *parts); /* frees and zeroes; NULL is allowed */
+/* Frees the arrays and zeroes the struct. NULL is allowed. */
+void gd_edited_parts_free(struct gd_edited_parts *parts);
 
 /* Splits an edited mesh into its components. The caller frees `*out` by gd_edited_parts_free.
  * Errors: GD_TOO_LARGE (more than `most` components), GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE.
- * Cost: linear, and twice the bytes of `edited`. Thread-safe. */
+ * Cost: linear time, and twice the bytes of `edited`. Thread-safe. */
 GD_MUST_USE enum gd_status gd_edited_split(const struct gd_edited *edited, uint32_t most,
                                            const struct gd_control *control,
                                            struct gd_edited_parts *out, struct gd_detail *detail);
 
-/* Returns an upper bound of the bytes that editing a mesh of that many faces needs, including the
- * result. */
+/* Returns an upper bound of the bytes that are needed to edit a mesh of that many faces, including
+ * the result. */
 size_t gd_edit_cost(uint64_t faces);
 
 GD_EXTERN_C_END

@@ -18,8 +18,8 @@ struct gd_executor {
     void *user;
 };
 
-/* Runs `count` tasks on `executor`; if `executor` is NULL, in order on the calling thread. Tasks
- * report failure through `context`. */
+/* Runs `count` tasks on `executor`. If `executor` is NULL, runs them on the calling thread, in
+ * their order. Tasks report failures through `context`. */
 void gd_executor_run(const struct gd_executor *executor,
                      void (*task)(void *context, uint32_t index), void *context, uint32_t count);
 

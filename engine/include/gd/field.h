@@ -1,5 +1,5 @@
-/* Field: the exact geodesic distance from a set of sources, stored as the final-stage wedges of
- * every edge.
+/* Field: the exact geodesic distance from a set of sources, stored as wedges on every edge. A wedge
+ * is an interval of an edge, with the source of the shortest paths that reach it.
  *
  *     struct gd_seed seed = {.point = p};
  *     struct gd_field *field;
@@ -36,7 +36,8 @@ struct gd_field_request {
     const struct gd_seed *seeds; /* borrowed; at least one */
     uint32_t seed_count;
     double radius; /* largest distance; 0 means no limit */
-    /* stops as soon as this point's distance is final (Property 5 of the paper); may be NULL */
+    /* the propagation stops as soon as this point's distance is final (Property 5 of the paper);
+       may be NULL */
     const struct gd_point *target;
 };
 
@@ -56,9 +57,9 @@ GD_MUST_USE enum gd_status gd_field_build(const struct gd_mesh *mesh,
                                           struct gd_detail *detail);
 
 /* Computes the distance at every vertex index, as gd_field_build and gd_field_vertex_distances do,
- * without storing wedges. `out` has index_count entries and is untouched on failure. Errors: those
- * of gd_field_build. Cost: about the time of gd_field_build; 8 bytes a vertex plus the records near
- * the front, together 10 bytes a face at a million faces. Thread-safe. */
+ * but stores no wedges. `out` has index_count entries and is untouched on failure. Errors: those of
+ * gd_field_build. Cost: about the time of gd_field_build. Memory: 8 bytes a vertex, plus records
+ * near the front of the propagation; together 10 bytes a face for a million faces. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
                                                    const struct gd_field_request *request,
                                                    const struct gd_control *control, double *out,
@@ -77,10 +78,11 @@ GD_MUST_USE enum gd_status gd_field_resume(const struct gd_field *partial, doubl
                                            const struct gd_control *control, struct gd_field **out,
                                            struct gd_detail *detail);
 
-/* Creates a view of a field with the smaller reach `radius` > 0: farther points are beyond the
- * view's reach. The view shares the arrays of `field`, keeps `field` alive, and reports the size of
- * `field`. If `field` reaches no farther than `radius`, the result is `field` itself. The caller
- * owns one reference. Errors: GD_INVALID_ARGUMENT, GD_NO_MEMORY. O(1). Thread-safe. */
+/* Creates a view of a field with the smaller reach `radius` > 0: points that are farther away are
+ * beyond the reach of the view. The view shares the arrays of `field`, keeps `field` alive, and
+ * reports the size of `field`. If `field` reaches no farther than `radius`, the result is `field`
+ * itself. The caller owns one reference. Errors: GD_INVALID_ARGUMENT, GD_NO_MEMORY. O(1).
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_within(const struct gd_field *field, double radius,
                                            struct gd_field **out);
 
@@ -89,15 +91,16 @@ void gd_field_release(const struct gd_field *field); /* NULL is allowed */
 size_t gd_field_memsize(const struct gd_field *field);
 const struct gd_mesh *gd_field_mesh(const struct gd_field *field);
 
-/* Returns the reach: distances up to it are final. In the caller's unit; INFINITY for a complete
- * field. */
+/* Returns the reach, up to which distances are final, in the caller's unit. It is INFINITY for a
+ * complete field. */
 double gd_field_reach(const struct gd_field *field);
 
 /* Returns true and sets `*out` if the field's only seed is a point without offset. */
 bool gd_field_single_seed(const struct gd_field *field, struct gd_point *out);
 
 struct gd_field_statistics {
-    /* windows offered to the lists of edges, windows propagated, wedges kept */
+    /* number of windows that were offered to edges, of windows that were propagated, and of wedges
+       that are stored */
     uint64_t windows_created, windows_propagated, wedges;
     uint64_t sides_propagated, vertices_emitted;
     uint64_t build_ns;
@@ -105,18 +108,18 @@ struct gd_field_statistics {
 
 const struct gd_field_statistics *gd_field_statistics(const struct gd_field *field);
 
-/* Computes the distance at a point. INFINITY means no path (another component). Error:
- * GD_BEYOND_REACH (the distance may exceed the reach of a partial field). O(wedges of a face's
- * edges). Thread-safe. */
+/* Computes the distance at a point, or INFINITY if there is no path (the point is on another
+ * component). Error: GD_BEYOND_REACH (the distance may exceed the reach of a partial field).
+ * O(wedges of a face's edges). Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_distance(const struct gd_field *field,
                                              const struct gd_point *point, double *out);
 
-/* Computes the distances at `count` points, to the last bit as gd_field_distance, and writes them
- * to `out` in the order of `points`. INFINITY means no path; NaN means beyond the reach of a
- * partial field. `control` may be NULL; `out` is untouched on failure. Faster than single calls for
- * many or unordered points, because it evaluates points in the mesh's order of faces and prefetches
- * data. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Holds up to 16 bytes a point
- * while it runs. Thread-safe. */
+/* Computes the distances at `count` points, and writes them to `out` in the order of `points`. They
+ * equal the results of gd_field_distance to the last bit. INFINITY means no path. NaN means beyond
+ * the reach of a partial field. `control` may be NULL. `out` is untouched on failure. For many
+ * points or points without order, this is faster than single calls, because points are evaluated in
+ * the mesh's order of faces and data is prefetched. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE. Holds up to 16 bytes a point while it runs. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_distances(const struct gd_field *field,
                                               const struct gd_point *points, uint32_t count,
                                               const struct gd_control *control, double *out);
@@ -129,10 +132,10 @@ void gd_field_vertex_distances(const struct gd_field *field, double *out);
 uint32_t gd_field_seed_count(const struct gd_field *field);
 
 /* Computes the distance at a point, as gd_field_distance, and the number of the nearest seed in the
- * request's order, where gd_field_path ends. The choice between seeds that are equally near up to
- * rounding is deterministic, but gd_field_path may end at another of them. INFINITY and UINT32_MAX:
- * no path. Errors: GD_BEYOND_REACH, GD_INTERNAL (the field's predecessors lead to no seed).
- * O(wedges of a face's edges + bends of the path). Thread-safe. */
+ * request's order. If several seeds are equally near up to rounding, the selected seed is
+ * deterministic, but gd_field_path may end at another of these seeds. If there is no path, the
+ * results are INFINITY and UINT32_MAX. Errors: GD_BEYOND_REACH, GD_INTERNAL (the field's
+ * predecessors lead to no seed). O(wedges of a face's edges + bends of the path). Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_nearest(const struct gd_field *field,
                                             const struct gd_point *point, double *distance,
                                             uint32_t *seed);
@@ -144,23 +147,23 @@ GD_MUST_USE enum gd_status gd_field_nearest(const struct gd_field *field,
 GD_MUST_USE enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point,
                                          struct gd_path *out);
 
-/* Computes gd_field_path and the number of the seed where the path ends. If several seeds are
- * equally near up to rounding, gd_field_nearest may return another seed. */
+/* Computes the path as gd_field_path, and the number of the seed where the path ends. If several
+ * seeds are equally near up to rounding, gd_field_nearest may return another seed. */
 GD_MUST_USE enum gd_status gd_field_path_to_seed(const struct gd_field *field,
                                                  const struct gd_point *point, struct gd_path *out,
                                                  uint32_t *seed);
 
-/* Computes the gradient of the distance at a point: the unit vector of the direction in which the
+/* Computes the gradient of the distance at a point: the unit vector in the direction in which the
  * shortest path from the source arrives. The vector lies in the plane of the face that contains the
- * path's last segment; at a point of an edge or a vertex, the other faces at the point lie in other
- * planes. Where several shortest paths arrive, the gradient is undefined; the result then belongs
- * to the path that gd_field_path returns. Errors: GD_INVALID_ARGUMENT (the point is a seed),
- * GD_NOT_ON_SURFACE (no path), GD_BEYOND_REACH. O(wedges of a face's edges). Thread-safe. */
+ * path's last segment. At a vertex or a point of an edge, it usually does not lie in the planes of
+ * the other faces. Where several shortest paths arrive, the gradient is undefined; the result then
+ * belongs to the path that gd_field_path returns. Errors: GD_INVALID_ARGUMENT (the point is a
+ * seed), GD_NOT_ON_SURFACE (no path), GD_BEYOND_REACH. O(wedges of a face's edges). Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_gradient(const struct gd_field *field,
                                              const struct gd_point *point, struct gd_vec3 *out);
 
-/* Computes the point farthest from the seeds, among all points of components with a seed, and its
- * distance. The farthest point is a vertex, a point of a boundary edge where two shortest paths are
+/* Computes the point that is farthest from the seeds, and its distance. Ignores components without
+ * a seed. The farthest point is a vertex, a point of a boundary edge where two shortest paths are
  * equally long, or a point of a face where three shortest paths are equally long. The choice
  * between several such points is deterministic. `control` may be NULL. Errors: GD_BEYOND_REACH (the
  * surface may continue beyond the reach of a partial field), GD_NO_MEMORY, GD_CANCELLED,
@@ -172,23 +175,23 @@ GD_MUST_USE enum gd_status gd_field_farthest(const struct gd_field *field,
 
 /* A final wedge of an edge, Definition 1 of the paper: parameters b0 < b1, and the distances d0, d1
  * of the pseudo-source to these ends. All numbers are in the caller's unit; the parameters grow
- * along the edge from its lower-numbered vertex. sigma: distance from the seeds to the
- * pseudo-source. tau: true if the pseudo-source lies to the left of the edge in that direction (in
- * the face whose corners run from the lower to the higher vertex). */
+ * along the edge from its lower-numbered vertex. sigma is the distance from the seeds to the
+ * pseudo-source. tau is true if the pseudo-source lies to the left of the edge in that direction,
+ * that is, on the side of the face that runs along the edge from the lower to the higher vertex. */
 struct gd_wedge {
     double b0, b1, d0, d1, sigma;
     bool tau;
-    /* true if the source is a segment, d0 and d1 are distances from its line, sigma is the seed's
-       offset */
+    /* true if the source is a segment; d0 and d1 are then distances from its line, and sigma is the
+       seed's offset */
     bool linear;
     bool at_vertex;  /* true if the pseudo-source is a vertex; false if a seed */
-    uint32_t source; /* input index of that vertex, or number of that seed */
+    uint32_t source; /* input index of the vertex, or number of the seed */
 };
 
 /* Returns the wedges of the edge a-b, sorted by b0: `*count` wedges in `*out`, allocated by malloc
  * and owned by the caller. They cover the part of the edge within the field's reach. If paths run
- * along the edge itself, d0 or d1 is 0 (both for a seed segment on the edge), and tau is arbitrary.
- * Errors: GD_NO_SUCH_EDGE, GD_NO_MEMORY. O(wedges of the edge's faces). Thread-safe. */
+ * along the edge itself, d0 or d1 is 0, and tau is arbitrary. For a seed segment on the edge, both
+ * are 0. Errors: GD_NO_SUCH_EDGE, GD_NO_MEMORY. O(wedges of the edge's faces). Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_wedges(const struct gd_field *field, struct gd_vertex a,
                                            struct gd_vertex b, struct gd_wedge **out,
                                            uint32_t *count);
@@ -198,7 +201,7 @@ GD_MUST_USE enum gd_status gd_field_wedges(const struct gd_field *field, struct 
 struct gd_all_wedges {
     uint32_t edge_count;
     struct gd_vertex (*edges)[2]; /* the lower-numbered vertex first */
-    uint32_t *first;              /* edge_count + 1 */
+    uint32_t *first;              /* edge_count + 1 entries */
     struct gd_wedge *wedges;
 };
 
@@ -229,8 +232,8 @@ struct gd_field_image {
     void *user;
 };
 
-/* Opens a field over an image in memory without a copy. The bytes are borrowed until the field's
- * last reference is released, which calls `release(user)`; if opening fails, `release` is not
+/* Opens a field whose arrays stay in the image in memory. The bytes are borrowed until the field's
+ * last reference is released; then `release(user)` is called. If opening fails, `release` is not
  * called. The mesh must be the mesh of the field, built by the same version from the same input.
  * Every index in the image is checked, so that a damaged image never causes an access outside its
  * arrays. Values are not checked; use a checksum for them. Errors: GD_UNRECOGNIZED (not an image,

@@ -1,9 +1,9 @@
 /* Flat strip: the faces along a path, and the path itself, unfolded into the plane.
  *
- * Each face keeps its shape, and shares with the next face the edge that the path crosses. Lengths
+ * Each face keeps its shape. It shares with the next face the edge that the path crosses. Lengths
  * in the strip equal lengths on the surface. A geodesic is a straight line in the strip, except at
- * vertices. Around a vertex of the path the strip takes the side with fewer faces. A strip may
- * overlap itself. */
+ * vertices. At a vertex of the path, the strip passes the vertex on the side with fewer faces. A
+ * strip may overlap itself. */
 #ifndef GD_FLAT_STRIP_H
 #define GD_FLAT_STRIP_H
 
@@ -13,7 +13,7 @@
 
 GD_EXTERN_C_BEGIN
 
-/* Corners counter-clockwise, as seen from outside. */
+/* A face of the strip. Its corners are counter-clockwise, as seen from outside. */
 struct gd_flat_face {
     double corners[3][2];
 };

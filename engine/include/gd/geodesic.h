@@ -48,8 +48,8 @@
 
 GD_EXTERN_C_BEGIN
 
-/* All zero: recognises the format, limits faces and vertices to 2^30, triangulates polygons,
- * repairs nothing. */
+/* If all members are zero, the format is recognised, faces and vertices are limited to 2^30,
+ * polygons are triangulated, and nothing is repaired. */
 struct gd_load_options {
     enum gd_format format;
     uint32_t max_faces, max_vertices; /* see gd_read_options */
@@ -58,12 +58,12 @@ struct gd_load_options {
 };
 
 /* Reads a mesh file in any format of gd/io.h and builds its mesh. `bytes` are borrowed for the
- * call; `options` and `error` may be NULL. The caller owns one reference of `*out`; gd_mesh_release
- * releases it. On failure `error` contains a sentence, and the first offending elements if there
- * are any.
+ * call. `options` and `error` may be NULL. The caller owns one reference of `*out`, which
+ * gd_mesh_release releases. On failure `error` contains a sentence, and the first offending
+ * elements if there are any.
  *
- * Errors: those of gd_read_polygons and gd_mesh_build. Cost: expected linear in the file; memory:
- * gd_read_cost and gd_mesh_build_cost. Thread-safe. */
+ * Errors: those of gd_read_polygons and gd_mesh_build. Cost: expected linear time in the size of
+ * the file. gd_read_cost and gd_mesh_build_cost return the memory. Thread-safe. */
 GD_MUST_USE enum gd_status gd_mesh_load(const void *bytes, size_t size,
                                         const struct gd_load_options *options, struct gd_mesh **out,
                                         struct gd_detail *error);
@@ -78,8 +78,8 @@ GD_MUST_USE enum gd_status gd_distance(const struct gd_mesh *mesh, const struct 
                                        const struct gd_point *to, double *out);
 
 /* Computes a shortest path of at least one point; out->length is the distance. The caller frees the
- * path by gd_path_free. gd_points_positions computes the positions of its points. In C++ write
- * `struct gd_path` for the type, because this function has the same name.
+ * path by gd_path_free. gd_points_positions computes the positions of its points. In C++, write
+ * `struct gd_path` for the type, because type and function have the same name.
  *
  * Errors: GD_NOT_ON_SURFACE (the points lie on different components), and those of gd_distance.
  * Cost and thread safety: as gd_distance. */

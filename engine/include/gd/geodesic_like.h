@@ -9,11 +9,11 @@
  *     }
  *
  * Source: W.-H. Chen, "Improvement of the shortest path problem with geodesic-like method": the
- * B-spline of least energy among those of a given order. Extensions of the paper: pieces that join
- * at the surface's lines (lines of constant u or v across which the surface is not smooth), a
- * covariant Newton's method, refinement where the geodesic curvature is large, and the global
- * minimum, found with exact geodesics on a tessellation (engine/doc/018). Lengths are in the
- * surface's unit, angles in radians. */
+ * B-spline of least energy among those of a given order. This implementation extends the paper.
+ * Paths are divided into pieces at the surface's lines (lines of constant u or v across which the
+ * surface is not smooth). Newton's method is covariant. Paths are refined where the geodesic
+ * curvature is large. Exact geodesics on a tessellation serve to find the global minimum
+ * (engine/doc/018). Lengths are in the surface's unit, angles in radians. */
 #ifndef GD_GEODESIC_LIKE_H
 #define GD_GEODESIC_LIKE_H
 
@@ -31,55 +31,61 @@ GD_EXTERN_C_BEGIN
 #define GD_GEODESIC_TURN_LIMIT_MOST     4
 #define GD_GEODESIC_TURNS_MOST          16
 
-/* All zero: the shortest path, as cubic splines, to GD_GEODESIC_TOLERANCE. */
+/* If all members are zero, the result is the shortest path, as cubic splines, with the tolerance
+ * GD_GEODESIC_TOLERANCE. */
 struct gd_geodesic_options {
     /* degree of the spline, GD_GEODESIC_DEGREE_LEAST to GD_GEODESIC_DEGREE_MOST; 0 means
        GD_GEODESIC_DEGREE */
     uint32_t degree;
-    /* > degree: the paper's curve, one B-spline with this number of control points, which ignores
-       the surface's lines; 0 means as many as the tolerance needs */
+    /* If not 0, the result is the paper's curve: one B-spline with this number of control points
+       (more than the degree), which ignores the surface's lines. 0 means as many control points as
+       the tolerance needs. */
     uint32_t control_points;
     /* relative error of the length, GD_GEODESIC_TOLERANCE_LEAST to 1; 0 means
        GD_GEODESIC_TOLERANCE */
     double tolerance;
-    bool all_minima; /* returns every local minimum that the search finds, not only the shortest */
-    /* With all_minima, on surfaces that are closed in a direction: the search also starts from
-     * paths of each homotopy class whose winding numbers are within this limit, at most
-     * GD_GEODESIC_TURN_LIMIT_MOST. With 0, the search starts only from the candidates that
-     * distances on the tessellation give. */
+    /* true if all local minima that the search finds are returned, not only the shortest */
+    bool all_minima;
+    /* For all_minima, on surfaces that are closed in a direction. If not 0, the search also starts
+     * from paths of each homotopy class whose winding numbers are within this limit, at most
+     * GD_GEODESIC_TURN_LIMIT_MOST. If 0, it starts only from candidates that are found from
+     * distances on the tessellation. */
     uint32_t turn_limit;
 };
 
 struct gd_geodesic_request {
     const struct gd_domain_curve *from, *to;   /* points or curves of the tessellation's surface */
     const struct gd_geodesic_options *options; /* NULL means all zero */
-    /* At most one of `initial` and `turns` is not NULL. It selects a class of paths, and must not
-     * be combined with all_minima. The result is a geodesic of the class, not the shortest path of
-     * all classes. */
-    const struct gd_domain_curve *initial; /* from `from` to `to`: deformed into the result */
-    /* winding numbers (u, v), at most GD_GEODESIC_TURNS_MOST in closed directions, else 0: see
-       gd_geodesic.turns */
+    /* `initial` and `turns` select a class of paths. At most one of them may be set, and not
+     * together with all_minima. The result is then a geodesic of this class, not the shortest path
+     * of all classes. */
+    /* a curve from `from` to `to`, which is deformed into the result */
+    const struct gd_domain_curve *initial;
+    /* winding numbers in u and v (see gd_geodesic.turns): at most GD_GEODESIC_TURNS_MOST in closed
+       directions, and 0 in others */
     const int32_t *turns;
 };
 
-/* A B-spline piece of the result: clamped knots on [0, 1], points (u, v). In closed directions
- * coordinates may leave the domain by whole periods. */
+/* A B-spline piece of the result, with clamped knots on [0, 1] and control points (u, v). In closed
+ * directions, coordinates may be outside the domain by whole periods. */
 struct gd_geodesic_piece {
     uint32_t degree, count;
     double *knots; /* count + degree + 1 */
     double (*points)[2];
 };
 
-/* Warnings about a path; bits. */
+/* Warnings about a path, as bits of a number. */
 enum gd_geodesic_warning {
     /* the tolerance was not met; `error` bounds the error of the length */
     GD_GEODESIC_NOT_CONVERGED = 1,
     GD_GEODESIC_BOUNDARY_CONTACT = 2, /* part of the path follows the border of the domain */
-    /* the path ends at a corner or an end of a curve, not at a right angle */
+    /* the path ends at a corner or an end of a curve, so its angle with the curve may not be a
+       right angle */
     GD_GEODESIC_CURVE_CORNER = 4,
     /* the path passes a pole, where two pieces with different (u, v) meet */
     GD_GEODESIC_THROUGH_POLE = 8,
-    /* a critical point, but not a proven minimum: the Hessian is not positive definite */
+    /* the path is a critical point of the length, but not a proven minimum, because the Hessian is
+       not positive definite */
     GD_GEODESIC_NOT_MINIMAL = 16,
     /* the path belongs to a family of equally long paths, of which only one is listed */
     GD_GEODESIC_FAMILY = 32
@@ -89,7 +95,7 @@ struct gd_geodesic {
     double length;
     double error;                        /* estimated error of the length, in the same unit */
     double from_parameter, to_parameter; /* parameters on the curves; 0 for a point */
-    /* between path and curve, in [0, pi]; pi / 2 for a point */
+    /* angles between path and curves, in [0, pi]; pi / 2 for a point */
     double from_angle, to_angle;
     double residual; /* relative norm of the gradient of the length */
     /* integral of the squared geodesic curvature over arc length, in 1/length */
@@ -97,13 +103,14 @@ struct gd_geodesic {
     /* (2 E - L^2) / L^2 over the pieces: 0 for constant speed */
     double speed_defect;
     uint32_t iterations; /* total number of Newton steps */
-    /* the Hessian is positive definite: the path is a proven local minimum */
+    /* true if the Hessian is positive definite, so that the path is a proven local minimum */
     bool is_minimum;
     uint32_t warnings;    /* enum gd_geodesic_warning */
     uint32_t piece_count; /* 0 if `from` and `to` meet */
     struct gd_geodesic_piece *pieces;
-    /* Winding numbers: a path whose (u, v) begin at those of `from` ends at those of `to`, plus
-       these numbers of periods. Between closed curves they depend on the parameters of the ends. */
+    /* Winding numbers: if the beginning of the path has the coordinates (u, v) of `from`, its end
+       has those of `to` plus these numbers of periods. Between closed curves they depend on the
+       parameters of the ends. */
     int32_t turns[2];
     double meeting[2]; /* (u, v) where `from` and `to` meet, if piece_count is 0 */
 };
@@ -116,24 +123,24 @@ struct gd_geodesics {
 void gd_geodesics_free(struct gd_geodesics *geodesics); /* NULL is allowed */
 
 /* Computes the shortest path between two points or curves of the tessellation's surface. With
- * `all_minima` the function also computes longer local minima, sorted by length. These are paths
- * that do not cross `from` or `to` between their ends. Of each family of equally long paths only
- * one is listed. If no path is a minimum, the result is one path with GD_GEODESIC_NOT_MINIMAL. If
- * `from` and `to` meet, the path has length 0 and no pieces. Exchanging `from` and `to` changes the
- * result only by rounding. The function finds the global minimum if the tessellation is fine
- * enough: it must distinguish the routes around the surface's features. `control` and `detail` may
- * be NULL; the caller frees `*out` by gd_geodesics_free. Errors: GD_INVALID_ARGUMENT (a curve of
- * another surface, options out of range), those of gd_field_build, GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (no path converged). Cost: milliseconds, for two fields of
- * the tessellation and about 20 Newton steps. Thread-safe. */
+ * `all_minima`, also computes longer local minima, sorted by length. They do not cross `from` or
+ * `to` between their ends. Only one path of each family of equally long paths is listed. If no path
+ * is a minimum, the result is one path with GD_GEODESIC_NOT_MINIMAL. If `from` and `to` meet, the
+ * path has length 0 and no pieces. If `from` and `to` are exchanged, the result changes only by
+ * rounding. The function finds the global minimum if the tessellation is fine enough to distinguish
+ * the routes around the surface's features. `control` and `detail` may be NULL; the caller frees
+ * `*out` by gd_geodesics_free. Errors: GD_INVALID_ARGUMENT (a curve of another surface, options out
+ * of range), those of gd_field_build, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE,
+ * GD_INTERNAL (no path converged). Cost: milliseconds, for two fields of the tessellation and about
+ * 20 Newton steps. Thread-safe. */
 GD_MUST_USE enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
                                              const struct gd_geodesic_request *request,
                                              const struct gd_control *control,
                                              struct gd_geodesics *out, struct gd_detail *detail);
 
-/* Samples a path at `count` >= 2 equally spaced parameters over all pieces, ends included, and
- * writes the points to `uv` and `xyz` (either may be NULL). Error: GD_INVALID_ARGUMENT (count < 2,
- * or a path without pieces). O(count). Thread-safe. */
+/* Samples a path at `count` >= 2 equally spaced parameters over all pieces, including both ends.
+ * Writes the points to `uv` and `xyz`, each of which may be NULL. Error: GD_INVALID_ARGUMENT (count
+ * < 2, or a path without pieces). O(count). Thread-safe. */
 GD_MUST_USE enum gd_status gd_geodesic_sample(const struct gd_parametric *surface,
                                               const struct gd_geodesic *geodesic, uint32_t count,
                                               double (*uv)[2], struct gd_vec3 *xyz);

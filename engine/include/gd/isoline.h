@@ -11,11 +11,11 @@
  * an isoline is a chain of circular arcs, each around an unfolded point source, and of straight
  * pieces, each parallel to a segment source. Arcs and pieces meet on edges and on the bisectors of
  * their sources. A line is closed, or open with both ends on the boundary. Seen from outside,
- * points nearer to the seeds lie to the left of a line. Lines are not sampled: the distance at an
- * arc's end equals the level to 1e-9 relative (1e-14 is usual). Lines no longer than the rounding
- * error, for example at a local maximum or at level zero, are left out. Midway between two parallel
- * segments the distance is constant along a ridge: a line at that level runs along the ridge in
- * both directions. */
+ * points nearer to the seeds lie to the left of a line. Lines are exact curves, not samples: at an
+ * arc's end, the relative difference between the distance and the level is at most 1e-9 (1e-14 is
+ * usual). Lines that are no longer than the rounding error, for example at a local maximum or at
+ * level zero, are omitted. Midway between two parallel segments, the distance is constant along a
+ * ridge. At this level, a line runs along the ridge in both directions. */
 #ifndef GD_ISOLINE_H
 #define GD_ISOLINE_H
 
@@ -25,12 +25,12 @@
 
 GD_EXTERN_C_BEGIN
 
-/* An arc around (u, v), counter-clockwise from angle `from` to `to` (an arc of rounding length may
- * run backwards). The frame of angles and (u, v) lies in the face's plane, with the origin at
- * corner 0 and the x axis towards corner 1 (gd_mesh_corners).
+/* An arc around (u, v), counter-clockwise from the angle `from` to `to`. An arc that is only as
+ * long as a rounding error may run backwards. Angles and (u, v) are measured in the face's plane,
+ * with the origin at corner 0 and the x axis towards corner 1 (gd_mesh_corners).
  *
- * Radius 0: arc i is a straight segment from point i of its line to point i + 1. Then (u, v) is
- * point i, `from` is 0 and `to` is the length. */
+ * If `radius` is 0, arc i is a straight segment from point i of its line to point i + 1. Then (u,
+ * v) is point i, `from` is 0 and `to` is the length. */
 struct gd_isoline_arc {
     struct gd_face face;
     double u, v, radius; /* the caller's unit */
@@ -51,7 +51,7 @@ struct gd_isoline_line {
     double length; /* sum over the arcs */
     uint32_t arc_count;
     const struct gd_isoline_arc *arcs;
-    uint32_t point_count; /* arc_count; for an open line arc_count + 1 */
+    uint32_t point_count; /* arc_count for a closed line, arc_count + 1 for an open one */
     const struct gd_point *points;
 };
 
@@ -59,7 +59,7 @@ struct gd_isoline_line {
 struct gd_isoline {
     double level;
     uint32_t line_count;
-    struct gd_isoline_line *lines; /* open ones first */
+    struct gd_isoline_line *lines; /* open lines first */
     struct gd_isoline_arc *arcs;
     struct gd_point *points;
     size_t bytes; /* total size of the arrays */
@@ -85,7 +85,8 @@ GD_MUST_USE enum gd_status gd_isoline_index_create(const struct gd_field *field,
 void gd_isoline_index_destroy(struct gd_isoline_index *index); /* NULL is allowed */
 size_t gd_isoline_index_bytes(const struct gd_mesh *mesh);
 
-/* Traces an isoline with the index of a field. Isoline and errors are those of gd_isoline_trace. */
+/* Traces an isoline with the index of a field. The isoline and the errors are those of
+ * gd_isoline_trace. */
 GD_MUST_USE enum gd_status gd_isoline_trace_indexed(const struct gd_isoline_index *index,
                                                     double level, const struct gd_control *control,
                                                     struct gd_isoline *out);
@@ -108,7 +109,7 @@ GD_MUST_USE enum gd_status gd_isoline_flatten(const struct gd_mesh *mesh,
                                               const struct gd_control *control,
                                               struct gd_path *out);
 
-/* Returns the number of points of that polyline. O(arcs). */
+/* Returns the number of points of the polyline from gd_isoline_flatten. O(arcs). */
 uint64_t gd_isoline_flat_points(const struct gd_isoline_line *line, double tolerance);
 
 GD_EXTERN_C_END

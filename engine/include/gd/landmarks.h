@@ -1,7 +1,7 @@
 /* Landmarks: the distances of all vertices from a few chosen points. They give lower bounds of the
  * distance between two points, which make searches faster.
  *
- * By the triangle inequality |d(l, p) - d(l, q)| <= d(p, q) for each landmark l (Goldberg and
+ * By the triangle inequality, |d(l, p) - d(l, q)| <= d(p, q) for each landmark l (Goldberg and
  * Harrelson 2005, "Computing the shortest path: A* search meets graph theory"). Distances are
  * stored as floats, and bounds are rounded down, so that results are the same with and without
  * landmarks. Landmarks are immutable: any number of threads may use them. */
@@ -17,8 +17,8 @@ GD_EXTERN_C_BEGIN
 
 struct gd_landmarks;
 
-/* Builds `count` landmarks, at most 16. Each landmark is a vertex as far as possible from the
- * previous ones. They keep the mesh alive; the caller owns one reference. Errors:
+/* Builds `count` landmarks, at most 16. Each landmark is the vertex that is farthest from the
+ * previous ones. Landmarks keep the mesh alive. The caller owns one reference. Errors:
  * GD_INVALID_ARGUMENT (count is 0 or more than 16), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
  * GD_DEADLINE, GD_INTERNAL, GD_RUNAWAY. Cost: count + 1 propagations without wedges (the first
  * propagation only chooses the first landmark), and 64 bytes a vertex for any number of landmarks.

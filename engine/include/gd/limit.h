@@ -20,7 +20,7 @@
 GD_EXTERN_C_BEGIN
 
 struct gd_limit_point {
-    uint32_t face, corner; /* corner: 0 except in polygons of n != 4 corners */
+    uint32_t face, corner; /* `corner` is 0 except in polygons of n != 4 corners */
     double u, v;
 };
 
@@ -31,7 +31,7 @@ struct gd_limit_places {
 
 struct gd_limit_jet {
     struct gd_vec3 position;
-    struct gd_vec3 normal; /* unit length, outwards; NAN means that no normal exists */
+    struct gd_vec3 normal; /* unit vector that points outwards; NAN means that there is no normal */
     struct gd_vec3 du, dv;
     struct gd_vec3 duu, duv, dvv;
     /* principal curvatures, ascending; positive where the surface bends towards its normal (for a
@@ -48,22 +48,22 @@ struct gd_limit_jet {
 /* Evaluates the limit surface at a place, exactly up to rounding (about 1e-15 of the one-ring's
  * size). Method: the control mesh is subdivided locally until the place lies in a bicubic B-spline
  * or quartic box spline patch. At extraordinary vertices the limit masks are used (Halstead, Kass,
- * DeRose 1993; Biermann, Levin, Zorin 2000). On a crease the values are those of the side of
- * place->face. At a boundary vertex of only one face (GD_INTERPOLATE_EDGE_ONLY) the normal is the
- * limit of the normals nearby. If coincident control points make the derivatives parallel or zero,
- * the result has a position but no normal. `detail` may be NULL. Errors: GD_OUT_OF_RANGE (face or
- * corner), GD_INVALID_ARGUMENT (u, v outside the face by more than 1e-9 or not finite),
- * GD_NO_MEMORY. Cost: O(1) at regular places; elsewhere a few microseconds for each halving of the
- * distance to the extraordinary vertex, and an allocation of working memory, which
- * gd_limit_evaluate_many shares between places. Thread-safe. */
+ * DeRose 1993; Biermann, Levin, Zorin 2000). On a crease, the values are those of the side on which
+ * place->face lies. At a boundary vertex of only one face (GD_INTERPOLATE_EDGE_ONLY), the normal is
+ * the limit of the normals nearby. If coincident control points make the derivatives parallel or
+ * zero, the result has a position but no normal. `detail` may be NULL. Errors: GD_OUT_OF_RANGE
+ * (face or corner), GD_INVALID_ARGUMENT (u, v outside the face by more than 1e-9 or not finite),
+ * GD_NO_MEMORY. Cost: O(1) at regular places. At other places, it is a few microseconds for each
+ * halving of the distance to the extraordinary vertex, and an allocation of working memory.
+ * gd_limit_evaluate_many uses the same working memory for all places. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_evaluate(const struct gd_subdivision *surface,
                                              const struct gd_limit_point *place,
                                              struct gd_limit_jet *out, struct gd_detail *detail);
 
-/* Evaluates the limit surface at each place; `out` has places->count elements. The detail names the
- * offending place. `control` may be NULL. On failure `out` is unspecified. Errors: those of
- * gd_limit_evaluate, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Fastest if places are ordered by face.
- * Thread-safe. */
+/* Evaluates the limit surface at each place; `out` has places->count elements. On an error, the
+ * detail names the place, and `out` is unspecified. `control` may be NULL. Errors: those of
+ * gd_limit_evaluate, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. This is fastest if places are ordered by
+ * face. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_evaluate_many(const struct gd_subdivision *surface,
                                                   const struct gd_limit_places *places,
                                                   const struct gd_control *control,

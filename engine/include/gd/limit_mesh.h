@@ -10,10 +10,10 @@
  *         gd_limit_mesh_free(fine);
  *     }
  *
- * Triangles are numbered by control face and then by cell, so that both maps are arithmetic and
- * need no table. A place and its point have the same (u,v). Vertices of the mesh lie on the limit
- * surface; elsewhere a place and its point differ in space by O(4^-level). A limit mesh is
- * immutable: any number of threads may read it. */
+ * Triangles are numbered by control face and then by cell, so that both maps are computed without a
+ * table. A place and its point have the same (u,v). Vertices of the mesh lie on the limit surface.
+ * At other points, a place and its point differ in space by O(4^-level). A limit mesh is immutable:
+ * any number of threads may read it. */
 #ifndef GD_LIMIT_MESH_H
 #define GD_LIMIT_MESH_H
 
@@ -31,11 +31,11 @@ struct gd_limit_mesh;
  * otherwise 0. */
 uint32_t gd_limit_mesh_least_level(const struct gd_subdivision *surface);
 
-/* Returns the finest level with at most 2^17 triangles; the coarsest level if every level has
+/* Returns the finest level with at most 2^17 triangles, or the coarsest level if all levels have
  * more. */
 uint32_t gd_limit_mesh_usual_level(const struct gd_subdivision *surface);
 
-/* Returns an upper bound of the bytes that building the mesh of a level needs. level <=
+/* Returns an upper bound of the bytes that are needed to build the mesh of a level. level <=
  * GD_LIMIT_LEVEL_MOST. */
 size_t gd_limit_mesh_cost(const struct gd_subdivision *surface, uint32_t level);
 
@@ -57,7 +57,7 @@ GD_MUST_USE enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surf
 void gd_limit_mesh_free(struct gd_limit_mesh *fine); /* NULL is allowed */
 size_t gd_limit_mesh_memsize(const struct gd_limit_mesh *fine);
 
-/* The results of the following functions are borrowed, valid as long as the limit mesh. */
+/* The results of the following functions are borrowed and valid as long as the limit mesh. */
 const struct gd_subdivision *gd_limit_mesh_surface(const struct gd_limit_mesh *fine);
 const struct gd_mesh *gd_limit_mesh_mesh(const struct gd_limit_mesh *fine);
 /* Returns normals of the limit surface, one for each vertex index. */
@@ -71,7 +71,7 @@ GD_MUST_USE enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine,
                                                struct gd_point *out, struct gd_detail *detail);
 
 /* Returns the place of a mesh point. For a point on an edge between two faces, the place is in one
- * of the two. Cost: as gd_limit_mesh_point. */
+ * of these faces. Cost: as gd_limit_mesh_point. */
 struct gd_limit_point gd_limit_mesh_place(const struct gd_limit_mesh *fine,
                                           const struct gd_point *point);
 

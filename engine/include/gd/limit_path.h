@@ -9,14 +9,14 @@ GD_EXTERN_C_BEGIN
 struct gd_limit_step {
     struct gd_limit_point place;
     struct gd_vec3 position;
-    double length; /* from the start */
+    double length; /* length of the path from the start */
 };
 
 enum gd_limit_end {
     GD_LIMIT_END_LENGTH,
     GD_LIMIT_END_BOUNDARY, /* the path met the boundary of the surface */
-    /* the path met a corner, a vertex at a crease or a point without a normal, where "straight" is
-       undefined */
+    /* the path met a corner, a vertex at a crease, or a point without a normal; "straight" is
+       undefined there */
     GD_LIMIT_END_SINGULAR,
     GD_LIMIT_END_STEPS /* the path reached GD_LIMIT_STEPS steps */
 };
@@ -24,11 +24,12 @@ enum gd_limit_end {
 #define GD_LIMIT_STEPS 1000000
 
 struct gd_limit_path {
-    /* step_count >= 1; from the start to the end, several in each patch, dense enough for
+    /* steps from the start to the end, at least one; several in each patch, dense enough for
        drawing */
     struct gd_limit_step *steps;
     uint32_t step_count;
-    double length;            /* less than requested unless `end` is GD_LIMIT_END_LENGTH */
+    /* the requested length if `end` is GD_LIMIT_END_LENGTH, otherwise less */
+    double length;
     struct gd_vec3 direction; /* unit tangent at the end */
     enum gd_limit_end end;
 };
@@ -38,7 +39,7 @@ void gd_limit_path_free(struct gd_limit_path *path);
 
 struct gd_limit_trace_request {
     struct gd_limit_point start;
-    struct gd_vec3 direction; /* will be projected onto the tangent plane */
+    struct gd_vec3 direction; /* is projected onto the tangent plane */
     double length;            /* >= 0 */
 };
 
@@ -46,18 +47,18 @@ struct gd_limit_trace_request {
  * normal to the surface: (u'',v'') = -g^-1 (S_u.a, S_v.a), a = S_uu u'^2 + 2 S_uv u'v' + S_vv v'^2.
  * g is the metric: the 2x2 matrix of the scalar products of S_u and S_v. The equation is solved
  * patch by patch. Each patch is a polynomial that continues smoothly beyond its border. The path
- * leaves a patch exactly at its border. Across a crease the path continues as if the crease were
- * flattened; through an extraordinary vertex it continues along its tangent. If the start is a
+ * leaves a patch exactly at its border. Across a crease, the path continues as if the crease were
+ * flattened. Through an extraordinary vertex, it continues along its tangent. If the start is a
  * vertex and the direction does not lead into the start's face, the path starts in the face into
- * which the direction leads, on the same side of creases. If no face qualifies, or the start has no
- * normal, the path ends at once. Method: Gragg's method with Bulirsch and Stoer's extrapolation.
- * The relative error is 1e-13 for each patch (more in slivers near a spike), and about 1e-11 after
- * a hundred patches. Negative curvature amplifies these errors, as it amplifies errors of the
- * start. `control` and `detail` may be NULL; the caller frees `*out` by gd_limit_path_free. Errors:
- * those of gd_limit_evaluate; GD_INVALID_ARGUMENT (length or direction not finite, or a direction
- * without tangential component); GD_INTERNAL (no step is short enough: control points nearly
- * coincide); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about 50 us for each patch.
- * Thread-safe. */
+ * which the direction leads, if this face is on the same side of creases. If there is no such face,
+ * or if the start has no normal, the path ends at once. Method: Gragg's method with Bulirsch and
+ * Stoer's extrapolation. The relative error is 1e-13 for each patch (more in slivers near a spike),
+ * and about 1e-11 after a hundred patches. On a surface of negative curvature, these errors and
+ * errors of the start grow along the path. `control` and `detail` may be NULL; the caller frees
+ * `*out` by gd_limit_path_free. Errors: those of gd_limit_evaluate; GD_INVALID_ARGUMENT (length or
+ * direction not finite, or a direction without tangential component); GD_INTERNAL (control points
+ * nearly coincide, so that no step is short enough for the error bound); GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. Cost: about 50 us for each patch. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_trace(const struct gd_subdivision *surface,
                                           const struct gd_limit_trace_request *request,
                                           const struct gd_control *control,
@@ -65,23 +66,23 @@ GD_MUST_USE enum gd_status gd_limit_trace(const struct gd_subdivision *surface,
 
 struct gd_limit_geodesic {
     struct gd_limit_path path; /* empty unless `converged` */
-    /* error of path.length: the distance by which the path misses the end, plus the integration
-       error */
+    /* error of path.length: the distance between the path's end and its target, plus the
+       integration error */
     double error_estimate;
     bool converged;
 };
 
 /* Computes the geodesic of the limit surface between the ends of a polyline of at least two places,
- * such as the shortest path on a discretization. The method is shooting: from the polyline's first
- * direction and length, Newton's method adjusts both until the geodesic ends at the polyline's end.
- * A second geodesic with a slightly different direction measures the derivative of the end point
- * (the Jacobi field). `converged` is false if the end is a conjugate point, or if no geodesic
- * inside the surface exists (a shortest path along a boundary or around a corner). It is also false
- * if the length found differs from the polyline's by more than a tenth, because the geodesic is
- * then another one. This is not an error. `control` and `detail` may be NULL; the caller frees
- * out->path. Errors: those of gd_limit_trace for the first place; those of gd_limit_evaluate for
- * the others; GD_INVALID_ARGUMENT (fewer than two places, or all at one point). Cost: about ten
- * traces. Thread-safe. */
+ * such as the shortest path on a discretization. The method is shooting: it starts with the
+ * polyline's first direction and its length, and Newton's method adjusts both until the geodesic
+ * ends at the polyline's end. A second geodesic with a slightly different direction measures the
+ * derivative of the end point (the Jacobi field). `converged` is false if the end is a conjugate
+ * point, or if no geodesic inside the surface exists (a shortest path along a boundary or around a
+ * corner). It is also false if the lengths of the geodesic and the polyline differ by more than a
+ * tenth, because the geodesic then takes another route. This is not an error. `control` and
+ * `detail` may be NULL; the caller frees out->path. Errors: those of gd_limit_trace for the first
+ * place; those of gd_limit_evaluate for the others; GD_INVALID_ARGUMENT (fewer than two places, or
+ * all places are the same point). Cost: about ten traces. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_relax(const struct gd_subdivision *surface,
                                           const struct gd_limit_places *polyline,
                                           const struct gd_control *control,

@@ -8,11 +8,11 @@
 GD_EXTERN_C_BEGIN
 
 struct gd_limit_shortest {
-    /* on the limit surface; INFINITY means that there is no path, and no steps */
+    /* distance on the limit surface; INFINITY if there is no path; there are no steps then */
     double distance;
     double mesh_distance;  /* exact distance on the mesh */
     double error_estimate; /* estimated error of `distance` */
-    /* true if the path is a geodesic of the limit surface; false if the path is the mesh's path,
+    /* true if the path is a geodesic of the limit surface; false if it is the path on the mesh,
        projected onto the limit surface */
     bool relaxed;
     struct gd_limit_step *steps; /* step_count >= 1, from ends[0] to ends[1] */
@@ -22,11 +22,11 @@ struct gd_limit_shortest {
 /* Frees the steps and zeroes the struct. NULL is allowed. */
 void gd_limit_shortest_free(struct gd_limit_shortest *shortest);
 
-/* Computes the shortest path from ends[0] to ends[1]: the exact path on the mesh, relaxed to a
- * geodesic of the limit surface (gd_limit_relax). If relaxation fails, or if the relaxed path is
- * longer than the mesh's path projected onto the limit surface, the result is the projected path.
- * The projected path's length is an upper bound of the distance; its difference from mesh_distance
- * estimates the error. If two paths are nearly equally short, the function chooses the path that is
+/* Computes the shortest path from ends[0] to ends[1]. Computes the exact path on the mesh, and from
+ * it a geodesic of the limit surface (gd_limit_relax). If this fails, or if the geodesic is longer
+ * than the mesh's path projected onto the limit surface, the result is the projected path. The
+ * projected path's length is an upper bound of the distance; its difference from mesh_distance
+ * estimates the error. If two paths are nearly equally short, the result is the path that is
  * shorter on the mesh. The result may then be longer than the shortest path by O(4^-level).
  * `control` and `detail` may be NULL; the caller frees `*out` by gd_limit_shortest_free. Errors:
  * those of gd_limit_place_check and gd_pair_solve; GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,

@@ -1,5 +1,5 @@
-/* Locate: finds the surface point nearest to a point in space, or first hit by a ray, with the
- * mesh's bounding volume hierarchy. */
+/* Locate: finds the point of the surface that is nearest to a point in space, or the first point
+ * that a ray hits. Uses the mesh's bounding volume hierarchy. */
 #ifndef GD_LOCATE_H
 #define GD_LOCATE_H
 
@@ -7,9 +7,9 @@
 
 GD_EXTERN_C_BEGIN
 
-/* Finds the point of the surface nearest to `xyz`; in a tie, the point in the lowest-numbered face.
- * If `max_snap` >= 0 and the nearest point is farther than `max_snap`, the error is
- * GD_NOT_ON_SURFACE. `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (not finite),
+/* Finds the point of the surface that is nearest to `xyz`. In a tie, finds the point in the face
+ * with the lowest number. If `max_snap` >= 0 and the nearest point is farther than `max_snap`, the
+ * error is GD_NOT_ON_SURFACE. `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (not finite),
  * GD_NOT_ON_SURFACE. Cost: expected O(log n). Thread-safe. */
 GD_MUST_USE enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct gd_vec3 xyz,
                                              double max_snap, struct gd_point *out,
@@ -20,11 +20,11 @@ GD_MUST_USE enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct 
 double gd_locate_distance(const struct gd_mesh *mesh, struct gd_vec3 xyz,
                           const struct gd_point *point);
 
-/* Finds the first point where a ray meets the surface, from either side. The test is watertight
- * along edges and vertices. If the ray lies in a face's plane, the result is the point where the
- * ray meets the face's border, or the ray's origin if the origin lies on the face. Errors:
- * GD_INVALID_ARGUMENT (not finite, direction of length zero), GD_NOT_ON_SURFACE (no hit, or an
- * origin beyond 1e75 mean edges). Cost: expected O(log n). Thread-safe. */
+/* Finds the first point where a ray meets the surface, from either side. A ray never passes through
+ * the surface at an edge or a vertex due to rounding. If the ray lies in a face's plane, the result
+ * is the point where the ray meets the face's border, or the ray's origin if the origin lies on the
+ * face. Errors: GD_INVALID_ARGUMENT (not finite, direction of length zero), GD_NOT_ON_SURFACE (no
+ * hit, or an origin beyond 1e75 mean edges). Cost: expected O(log n). Thread-safe. */
 GD_MUST_USE enum gd_status gd_locate_first_hit(const struct gd_mesh *mesh, struct gd_vec3 origin,
                                                struct gd_vec3 direction, struct gd_point *out,
                                                struct gd_detail *detail);

@@ -1,11 +1,12 @@
 /* Mean: the weighted mean (centroid) of points on a surface.
  *
- * The Karcher mean is the point x that minimises f(x) = sum of w_i d(x, p_i)^2. At x the weighted
+ * The mean (Karcher mean) is the point x that minimises f(x) = sum of w_i d(x, p_i)^2. The weighted
  * vectors from x to the points sum to zero. The mean does not depend on the order of the points. If
  * f has several minima (for example for two points on opposite sides of a closed surface), the
- * iteration converges to one of them. It starts at the given point nearest to the points' mean in
- * space, or at the surface point nearest to that mean. At a vertex whose total angle exceeds 2 pi,
- * f may have a minimum although the vectors do not sum to zero. */
+ * iteration converges to one of them. The iteration starts near the points' mean in space: either
+ * at the given point that is nearest to this mean, or at the point of the surface that is nearest
+ * to it. At a vertex whose total angle exceeds 2 pi, f may have a minimum although the vectors do
+ * not sum to zero. */
 #ifndef GD_MEAN_H
 #define GD_MEAN_H
 
@@ -22,28 +23,30 @@ struct gd_mean_request {
        Figure 7): sums the weighted vectors from the first point to the others. The result depends
        on the choice of the first point. */
     bool one_step;
-    const struct gd_landmarks *landmarks; /* of the same mesh, to speed up searches; may be NULL */
+    /* landmarks of the same mesh, which make searches faster; may be NULL */
+    const struct gd_landmarks *landmarks;
 };
 
 struct gd_mean {
     struct gd_point point;
-    /* length of the next step, in the caller's unit: 0 at a minimum, up to rounding */
+    /* length of the next step, in the caller's unit; it is 0 at a minimum, up to rounding */
     double residual;
     /* sqrt(f / sum of the weights): the root mean square distance from the points */
     double spread;
     uint32_t iterations;
-    /* the residual is at most 1e-11 of the spread; false after 100 iterations */
+    /* true if the residual is at most 1e-11 of the spread; false if this is not reached in 100
+       iterations */
     bool converged;
-    /* the mean, or an iterate, lies on the cut locus of a point: vectors are discontinuous there,
-       and another mean may be equally good */
+    /* true if the mean, or an iterate, lies on the cut locus of a point; vectors are not continuous
+       there, and another mean may be equally good */
     bool is_cut;
 };
 
 /* Computes a mean. `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (no point, a
  * weight that is negative or not finite, all weights zero), GD_NOT_ON_SURFACE (points of different
  * components), and those of gd_pair_solve. Each iteration computes a path to each point. If paths
- * do not bend at vertices, few iterations are needed, because on flat faces the step is Newton's.
- * Thread-safe. */
+ * do not bend at vertices, few iterations are needed, because the step is then an exact step of
+ * Newton's method. Thread-safe. */
 GD_MUST_USE enum gd_status gd_mean_find(const struct gd_mesh *mesh,
                                         const struct gd_mean_request *request,
                                         const struct gd_control *control, struct gd_mean *out,

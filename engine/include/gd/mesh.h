@@ -8,10 +8,10 @@
  *
  * Conventions of all functions of the engine: coordinates and distances are in the caller's length
  * unit, angles in radians; faces are counter-clockwise seen from outside; indices are zero-based;
- * numbers are IEEE doubles. A vertex is named by its index in the input, a face by its position
- * after triangulation (the triangles of a polygon are consecutive). "Exact" means: on the
- * polyhedron itself, up to rounding, with a relative error of distances of at most 1e-9 (1e-14 is
- * usual).
+ * numbers are IEEE doubles. The number of a vertex is its index in the input. The number of a face
+ * is its position after triangulation; the triangles of a polygon are consecutive. "Exact" means:
+ * on the polyhedron itself, up to rounding, with a relative error of distances of at most 1e-9
+ * (1e-14 is usual).
  *
  * A mesh is immutable: any number of threads may read it. Reference counts are atomic. */
 #ifndef GD_MESH_H
@@ -30,7 +30,8 @@ GD_EXTERN_C_BEGIN
 
 struct gd_mesh;
 
-/* Input indices as distinct types, so that a vertex can't be passed as a face. */
+/* Indices of vertices and faces have different types, so that a vertex cannot be passed as a
+ * face. */
 struct gd_vertex {
     uint32_t index;
 };
@@ -38,15 +39,18 @@ struct gd_face {
     uint32_t index;
 };
 
-/* All zero: triangulates polygons, welds nothing, and rejects non-manifold input. */
+/* If all members are zero, polygons are triangulated, nothing is welded, and non-manifold input is
+ * rejected. */
 struct gd_mesh_options {
-    bool refuse_polygons; /* fails with GD_NOT_TRIANGLES instead of triangulating */
-    bool repair_split;    /* repairs a non-manifold input, see struct gd_mesh_repair */
-    /* merges vertices within `weld_tolerance` of each other, whether or not a face joins them */
+    /* if true, polygons are not triangulated, and the build fails with GD_NOT_TRIANGLES */
+    bool refuse_polygons;
+    bool repair_split; /* if true, a non-manifold input is repaired, see struct gd_mesh_repair */
+    /* if true, vertices within `weld_tolerance` of each other are merged, whether or not a face
+       joins them */
     bool weld;
     double weld_tolerance; /* a length >= 0; 0 merges only vertices at the same position */
-    /* elements that the reader skipped, to be copied to gd_mesh_repair; borrowed for the call,
-       NULL: none */
+    /* elements that the reader skipped, which are copied to gd_mesh_repair; borrowed for the call;
+       NULL means none */
     const struct gd_mended *lines_skipped;
 };
 
@@ -54,15 +58,15 @@ struct gd_mesh_options {
  * NULL. The caller owns one reference of `*out`.
  *
  * Polygons of up to 4096 corners are triangulated by diagonals that are not yet edges of the mesh.
- * If the orientation of a component is inconsistent, the minority of its faces is flipped. Vertices
- * that no face uses keep their index.
+ * If the orientation of a component is inconsistent, some of its faces are flipped, at most half of
+ * them. Vertices that no face uses keep their index.
  *
- * Weld: the vertices of faces are visited in order of index. Each is merged into the
- * lowest-numbered unmerged vertex within the tolerance. Thus no vertex moves by more than the
- * tolerance, and a chain of near vertices does not collapse into one. The index of a merged vertex
- * then names the vertex that it was merged into. Faces that become degenerate or equal are removed,
- * see struct gd_mesh_repair. If the weld makes an edge or a vertex non-manifold, the build fails.
- * With repair_split, the build cuts the edge or the vertex instead.
+ * Weld: the vertices of faces are visited in order of index. Each vertex is merged into the vertex
+ * with the lowest number among those that are within the tolerance and not merged themselves. So no
+ * vertex moves by more than the tolerance, and a chain of close vertices does not collapse into
+ * one. The index of a merged vertex then refers to the vertex into which it was merged. Faces that
+ * become degenerate or equal are removed, see struct gd_mesh_repair. If the weld makes an edge or a
+ * vertex non-manifold, the build fails, or with repair_split cuts the edge or the vertex.
  *
  * Repair: see struct gd_mesh_repair. A non-orientable component is rejected even with repair.
  *
@@ -71,19 +75,19 @@ struct gd_mesh_options {
  * remove all faces), GD_INDEX, GD_NON_FINITE, GD_EXTENT (coordinates or extents beyond 1e+-150, or
  * edges and coordinates that differ from the mean edge by a factor of more than 1e75),
  * GD_DEGENERATE_FACE (a repeated vertex, an edge of length zero, or a height of less than 1e-7 of
- * the longest edge, which makes distances unreliable), GD_DUPLICATE_FACE, GD_NON_MANIFOLD_EDGE,
- * GD_NON_MANIFOLD_VERTEX, GD_NON_ORIENTABLE, GD_NOT_TRIANGLES, GD_NOT_TRIANGULABLE, GD_UNSUPPORTED
- * (a polygon of more than 4096 corners), GD_TOO_LARGE (more than 2^30 triangles), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: expected O(n) time and about 500 bytes a face while
- * building. Thread-safe. */
+ * the longest edge, because distances would be unreliable), GD_DUPLICATE_FACE,
+ * GD_NON_MANIFOLD_EDGE, GD_NON_MANIFOLD_VERTEX, GD_NON_ORIENTABLE, GD_NOT_TRIANGLES,
+ * GD_NOT_TRIANGULABLE, GD_UNSUPPORTED (a polygon of more than 4096 corners), GD_TOO_LARGE (more
+ * than 2^30 triangles), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: expected O(n)
+ * time and about 500 bytes a face while building. Thread-safe. */
 GD_MUST_USE enum gd_status gd_mesh_build(const struct gd_polygons *polygons,
                                          const struct gd_mesh_options *options,
                                          const struct gd_control *control, struct gd_mesh **out,
                                          struct gd_detail *detail);
 
-/* Returns an upper bound of the bytes needed to build a mesh of that size, including the mesh. The
- * bound holds with weld and repair if repair appends at most one vertex for every four faces; if
- * repair needs more copies of vertices, it checks the budget for their bytes. */
+/* Returns an upper bound of the bytes that are needed to build a mesh of that size, including the
+ * mesh. With weld and repair, the bound holds if repair appends at most one vertex for every four
+ * faces. If repair needs more copies of vertices, it checks the budget for their bytes. */
 size_t gd_mesh_build_cost(uint64_t faces, uint64_t vertices);
 
 struct gd_mesh *gd_mesh_retain(const struct gd_mesh *mesh);
@@ -91,22 +95,23 @@ void gd_mesh_release(const struct gd_mesh *mesh); /* NULL is allowed */
 size_t gd_mesh_memsize(const struct gd_mesh *mesh);
 
 struct gd_mesh_summary {
-    /* number of vertex indices: vertices of the input, including unreferenced ones, and copies
-       appended by repair */
+    /* number of vertex indices: vertices of the input, including unreferenced ones, and copies that
+       repair appended */
     uint32_t index_count;
-    uint32_t vertices; /* of the surface */
-    uint32_t faces;    /* triangles */
+    uint32_t vertices; /* number of vertices of the surface */
+    uint32_t faces;    /* number of triangles */
     /* number of face indices: `faces`, plus the triangles that weld and repair removed */
     uint32_t face_index_count;
     uint32_t edges;
     uint32_t components;
-    uint32_t boundaries;            /* boundary loops */
-    uint32_t unreferenced_vertices; /* indices without a vertex of the surface */
-    uint32_t saddle_vertices;       /* interior, total angle > 2 pi */
-    /* nearly degenerate: height less than 1e-6 of the longest edge; distances are still reliable,
-       but a repair is advisable */
+    uint32_t boundaries;            /* number of boundary loops */
+    uint32_t unreferenced_vertices; /* number of vertex indices that no face uses */
+    uint32_t saddle_vertices;       /* number of interior vertices with a total angle above 2 pi */
+    /* number of nearly degenerate faces, whose height is less than 1e-6 of the longest edge;
+       distances are still reliable, but a repair is advisable */
     uint32_t degenerate_faces;
-    uint32_t flipped_faces; /* flipped to make the orientation consistent */
+    /* number of faces that were flipped to make the orientation consistent */
+    uint32_t flipped_faces;
     int64_t euler_characteristic;
     int64_t genus; /* sum over the components */
     double area;
@@ -119,25 +124,27 @@ struct gd_mesh_summary {
 /* Returns the summary, borrowed from the mesh and valid as long as the mesh. */
 const struct gd_mesh_summary *gd_mesh_summary(const struct gd_mesh *mesh);
 
-/* A report of the changes by weld and repair. Vertex indices are those of the input; faces are
- * numbered as in struct gd_face.
+/* A report of the changes that weld and repair made. Vertex indices are those of the input; faces
+ * are numbered as in struct gd_face.
  *
- * Vertices: if a vertex is cut, the copy with the lowest-numbered face keeps its index. Further
- * copies are appended after the input's vertices, in order of face, beginning at index_count -
- * copies. The index of a merged vertex names the vertex that it was merged into. Faces keep their
- * indices. The index of a removed face stays unused: gd_point_in_face returns GD_OUT_OF_RANGE for
- * it. The two faces of a flipped edge keep their indices but have new corners (gd_mesh_corners).
+ * If a vertex is cut, the part with the lowest-numbered face keeps its index. The other parts get
+ * copies of the vertex. They are appended after the input's vertices, in the order of their faces,
+ * from the index index_count - copies on. The index of a merged vertex refers to the vertex into
+ * which it was merged. Faces keep their indices. The index of a removed face stays unused:
+ * gd_point_in_face returns GD_OUT_OF_RANGE for it. The two faces of a flipped edge keep their
+ * indices but have new corners (gd_mesh_corners).
  *
- * No point of the surface moves by more than `largest_shift`. No path crosses a cut. engine/doc/003
- * explains which faces stay joined. */
+ * No point of the surface moves by more than `largest_shift`. No path crosses an edge that was cut.
+ * engine/doc/003 explains which faces stay joined. */
 struct gd_mesh_repair {
-    struct gd_mended vertices_welded; /* index, and the vertex that it was merged into */
-    /* index, and the vertex that it was merged into because their edge has length zero, or less
-       than 1e-6 of the longest edge of a nearly degenerate face */
+    /* index of a vertex, and the vertex into which it was merged */
+    struct gd_mended vertices_welded;
+    /* index of a vertex, and the vertex into which it was merged, because their edge has length
+       zero, or less than 1e-6 of the longest edge of a nearly degenerate face */
     struct gd_mended vertices_merged;
-    /* removed face, and the lower face with the same vertices, which stays */
+    /* removed face, and the face with the same vertices and a lower index, which stays */
     struct gd_mended duplicate_faces;
-    /* removed face without area, or nearly degenerate face without any neighbour; [1] is 0 */
+    /* removed face without area, or removed nearly degenerate face without neighbours; [1] is 0 */
     struct gd_mended degenerate_faces;
     /* a nearly degenerate face, and the neighbour across its longest edge */
     struct gd_mended edges_flipped;
@@ -152,12 +159,12 @@ struct gd_mesh_repair {
     double largest_shift;
 };
 
-/* Returns the report of weld and repair, all zero if they changed nothing. Borrowed from the mesh,
- * valid as long as the mesh. */
+/* Returns the report of weld and repair. It is all zero if they changed nothing. It is borrowed
+ * from the mesh and valid as long as the mesh. */
 const struct gd_mesh_repair *gd_mesh_repair(const struct gd_mesh *mesh);
 
-/* Returns the input vertex of which an appended vertex is a copy; for other vertices, the vertex
- * itself. vertex.index < index_count. */
+/* If repair appended the vertex, returns the input vertex of which it is a copy. Otherwise returns
+ * the vertex itself. vertex.index < index_count. */
 struct gd_vertex gd_mesh_original(const struct gd_mesh *mesh, struct gd_vertex vertex);
 
 struct gd_boundary {
@@ -169,12 +176,12 @@ struct gd_boundary {
  * vertex indices. O(1). */
 struct gd_boundary gd_mesh_boundary(const struct gd_mesh *mesh, uint32_t loop);
 
-/* Returns the position of a vertex, to the last bit that of the input; the vertex may be
+/* Returns the position of a vertex, equal to that in the input to the last bit. The vertex may be
  * unreferenced. vertex.index < index_count. */
 struct gd_vec3 gd_mesh_position(const struct gd_mesh *mesh, struct gd_vertex vertex);
 
-/* Returns true if the index is below face_index_count and weld and repair did not remove the
- * face. */
+/* Returns true if the face exists: its index is below face_index_count, and weld and repair did not
+ * remove it. */
 bool gd_mesh_has_face(const struct gd_mesh *mesh, struct gd_face face);
 
 /* Returns the three corners of a face, which must exist (gd_mesh_has_face). Corner 0 is that of the
@@ -185,8 +192,9 @@ void gd_mesh_corners(const struct gd_mesh *mesh, struct gd_face face, struct gd_
 /* Returns the index of the input polygon that contains the triangle. */
 uint32_t gd_mesh_source_face(const struct gd_mesh *mesh, struct gd_face face);
 
-/* Converts the mesh to polygons, owned by the caller: all index_count positions, and the existing
- * faces in order of index, with corners as in gd_mesh_corners. Error: GD_NO_MEMORY. O(n). */
+/* Converts the mesh to polygons, which the caller owns. They have all index_count positions, and
+ * the existing faces in the order of their indices, with corners as in gd_mesh_corners. Error:
+ * GD_NO_MEMORY. O(n). */
 GD_MUST_USE enum gd_status gd_mesh_polygons(const struct gd_mesh *mesh, struct gd_polygons *out);
 
 GD_EXTERN_C_END

@@ -10,22 +10,24 @@
 
 GD_EXTERN_C_BEGIN
 
-/* Reads the longest decimal number at `at`, with an optional sign. Returns the number's end, or
- * NULL if there is no number. Overflow gives +-INFINITY, underflow +-0. "inf" and "nan" are
- * accepted; the caller must reject them. About 20 ns. */
+/* Parses the longest decimal number at `at`, with an optional sign. Returns the number's end, or
+ * NULL if there is no number. A number that is too large becomes +-INFINITY, one that is too small
+ * +-0. "inf" and "nan" are accepted; the caller must reject them. About 20 ns. */
 const char *gd_number_parse(const char *at, const char *end, double *out);
 
 /* Longest text of a double: "-0.0000012345678901234567" or "-2.2250738585072014e-308". */
 #define GD_NUMBER_SIZE 26
 
 /* Writes the shortest decimal that reads back as the same (finite) double, as a JSON number.
- * Magnitudes in [1e-6, 1e17) have no exponent, and integers among them no fraction. Other
- * magnitudes have an exponent ("1e-7", "1.5e300"). Writes no NUL; returns the end. About 25 ns. */
+ * Numbers with a magnitude in [1e-6, 1e17) are written without an exponent, and integers among them
+ * without a point. Other numbers have an exponent ("1e-7", "1.5e300"). Writes no NUL. Returns the
+ * end of the text. About 25 ns. */
 char *gd_number_format(char at[GD_NUMBER_SIZE], double value);
 
-/* Writes many numbers, each followed by a comma, with vector instructions if available; "null" for
- * a number that is not finite. `at` must have room for GD_NUMBERS_SIZE(count) bytes; bytes after
- * the returned end may be overwritten. Returns the end. About 5 to 14 ns for each number. */
+/* Writes many numbers, each followed by a comma. Uses vector instructions if available. Writes
+ * "null" for a number that is not finite. `at` must have room for GD_NUMBERS_SIZE(count) bytes.
+ * Bytes after the end of the text may be overwritten. Returns the end of the text. About 5 to 14 ns
+ * for each number. */
 #define GD_NUMBERS_SIZE(count) ((count) * (GD_NUMBER_SIZE + 1) + 32)
 char *gd_numbers_format(char *at, const double *values, size_t count);
 

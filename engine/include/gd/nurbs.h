@@ -10,7 +10,7 @@
 GD_EXTERN_C_BEGIN
 
 #define GD_NURBS_DEGREE_MAX 15
-#define GD_NURBS_COUNT_MAX  4096 /* control points in one direction */
+#define GD_NURBS_COUNT_MAX  4096 /* largest number of control points in one direction */
 
 /* Conventions for knots and weights. */
 enum gd_nurbs_convention {
@@ -31,10 +31,10 @@ struct gd_nurbs_data {
     const double *knots_u, *knots_v;
     uint32_t knot_count_u, knot_count_v;
     const double (*points)[3]; /* point (i, j) at i * count_v + j; i counts in u */
-    const double *weights;     /* in the same order; NULL means all 1 */
+    const double *weights;     /* in the order of `points`; NULL means that all are 1 */
 };
 
-/* Flaws of data. X(NAME, name) */
+/* The flaws that data can have. X(NAME, name) */
 #define GD_NURBS_FLAW_MAP(X)                                                                       \
     X(NONE, none)                                                                                  \
     X(DEGREE, degree)                                                                              \
@@ -56,8 +56,8 @@ enum gd_nurbs_flaw {
 /* Returns the flaw's name in snake_case ("decreasing_knots"), a static string. */
 const char *gd_nurbs_flaw_name(enum gd_nurbs_flaw flaw);
 
-/* Returns the first flaw of the data, and a sentence that locates the flaw; GD_NURBS_FLAW_NONE: the
- * data is valid. `detail` may be NULL. O(data). Thread-safe. */
+/* Returns the first flaw of the data, and writes a sentence about its location to the detail.
+ * Returns GD_NURBS_FLAW_NONE if the data is valid. `detail` may be NULL. O(data). Thread-safe. */
 enum gd_nurbs_flaw gd_nurbs_inspect(const struct gd_nurbs_data *data, struct gd_detail *detail);
 
 /* Creates the surface. Closed directions (both borders are the same curve) and poles (a border that
@@ -67,12 +67,12 @@ enum gd_nurbs_flaw gd_nurbs_inspect(const struct gd_nurbs_data *data, struct gd_
 GD_MUST_USE enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data,
                                            struct gd_parametric **out, struct gd_detail *detail);
 
-/* Returns true if the surface is a NURBS that gd_nurbs_create made, and its numbers of control
- * points in u and v. O(1). */
+/* Returns true if gd_nurbs_create made the surface. In this case, sets `counts` to the numbers of
+ * control points in u and v. O(1). */
 bool gd_nurbs_counts(const struct gd_parametric *surface, uint32_t counts[2]);
 
-/* Returns control point (i, j) of such a surface; i and j are below the counts. It differs from the
- * given one by rounding. O(1). Thread-safe. */
+/* Returns control point (i, j) of such a surface; i and j are below the counts. It equals the point
+ * of the input up to rounding. O(1). Thread-safe. */
 struct gd_vec3 gd_nurbs_control_point(const struct gd_parametric *surface, uint32_t i, uint32_t j);
 
 GD_EXTERN_C_END

@@ -1,5 +1,6 @@
-/* Parametric surface: a map from a rectangle (u, v) to space, smooth between its lines (lines of
- * constant u or v). The geodesic-like solver accesses all surfaces through this interface.
+/* Parametric surface: a map from a rectangle of parameters (u, v) to space. It is smooth except
+ * across its lines (lines of constant u or v). The geodesic-like solver accesses all surfaces
+ * through this interface.
  *
  *     struct gd_parametric *torus;
  *     if (gd_parametric_torus(2, 1, &torus, &detail) == GD_OK) {
@@ -9,9 +10,9 @@
  *     }
  *
  * Coordinates are in the caller's length unit. A closed direction is periodic: its parameter may be
- * any real, and the borders at both ends are the same curve. In other directions the parameter lies
- * within [low, high]. A pole is a border that is one point in space. Surfaces are immutable once
- * created: any number of threads may read them. */
+ * any real number, and the borders at both ends are the same curve. In other directions the
+ * parameter lies within [low, high]. A pole is a border that is one point in space. Surfaces are
+ * immutable once created: any number of threads may read them. */
 #ifndef GD_PARAMETRIC_H
 #define GD_PARAMETRIC_H
 
@@ -36,10 +37,12 @@ struct gd_jet {
 /* One direction of the domain. */
 struct gd_axis {
     double low, high; /* low < high */
-    bool closed;      /* the borders at low and high are one curve: periodic */
-    /* closed, and not smooth across the border; always true for a closed direction with lines */
+    /* true if the borders at `low` and `high` are the same curve; the direction is then periodic */
+    bool closed;
+    /* true if closed and not smooth across the border; always true for a closed direction with
+       lines */
     bool seam;
-    bool pole_low, pole_high; /* the whole border at `low` (at `high`) is one point */
+    bool pole_low, pole_high; /* true if the whole border at `low` or `high` is one point */
     uint32_t line_count;
     /* parameters across which the surface is not smooth, increasing, inside (low, high); may be
        NULL */
@@ -49,7 +52,7 @@ struct gd_axis {
 /* The evaluator of a user-defined surface. `jet` computes position and derivatives of the smooth
  * piece (cell_u, cell_v) at (u, v). Piece i lies between lines i - 1 and i. A piece is also
  * evaluated slightly beyond its lines, where it must continue smoothly. `jet` must be thread-safe.
- * In a closed direction without a seam the parameter may be any real. */
+ * In a closed direction without a seam, the parameter may be any real number. */
 struct gd_evaluator {
     struct gd_axis u, v; /* the lines are borrowed until `destroy` */
     void (*jet)(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v,
@@ -80,13 +83,13 @@ const struct gd_axis *gd_parametric_axis_v(const struct gd_parametric *surface);
  * points. */
 double gd_parametric_size(const struct gd_parametric *surface);
 
-/* Returns true if (u, v) is in the domain, to 1e-9 of its width if it is trimmed. A closed
- * direction contains every finite number. */
+/* Returns true if (u, v) is in the domain. If the domain is trimmed, the tolerance is 1e-9 of its
+ * width. In a closed direction, every finite number is in the domain. */
 bool gd_parametric_contains(const struct gd_parametric *surface, double u, double v);
 
 /* Computes position and derivatives at a point of the domain. On a line, derivatives are those of
- * the piece above it; on the upper border, those of the piece below. Trimming loops are ignored.
- * Error: GD_INVALID_ARGUMENT (outside the rectangle). O(degree^2). Thread-safe. */
+ * the piece above it. On the upper border, they are those of the piece below. Trimming loops are
+ * ignored. Error: GD_INVALID_ARGUMENT (outside the rectangle). O(degree^2). Thread-safe. */
 GD_MUST_USE enum gd_status gd_parametric_evaluate(const struct gd_parametric *surface, double u,
                                                   double v, struct gd_jet *out);
 
@@ -109,11 +112,11 @@ struct gd_parametric_closest {
     double distance;
 };
 
-/* Computes the globally closest point of the surface to `xyz`, within the loops of a trimmed
- * surface: Newton's method from every grid point that may be near the minimum, and along loops.
- * `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (not finite), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about a thousand evaluations. Piegl and Tiller, The
- * NURBS Book, section 6.1. Thread-safe. */
+/* Computes the point of the surface that is globally closest to `xyz`. On a trimmed surface, this
+ * is the closest point within the loops. Applies Newton's method from every grid point that may be
+ * near the minimum, and along loops. `control` and `detail` may be NULL. Errors:
+ * GD_INVALID_ARGUMENT (not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about
+ * a thousand evaluations. Piegl and Tiller, The NURBS Book, section 6.1. Thread-safe. */
 GD_MUST_USE enum gd_status gd_parametric_nearest(const struct gd_parametric *surface,
                                                  struct gd_vec3 xyz,
                                                  const struct gd_control *control,
@@ -133,7 +136,8 @@ GD_MUST_USE enum gd_status gd_parametric_trim(const struct gd_parametric *surfac
                                               struct gd_parametric **out,
                                               struct gd_trim_fault *fault);
 
-/* The number of trimming loops, and whether the first one is the outer loop. 0: not trimmed. */
+/* Returns the number of trimming loops, or 0 if the surface is not trimmed. Sets *has_outer to true
+ * if the first loop is the outer loop. */
 uint32_t gd_parametric_loops(const struct gd_parametric *surface, bool *has_outer);
 
 /* --- analytic surfaces ------------------------------------------------------------------------ */
@@ -156,7 +160,7 @@ GD_MUST_USE enum gd_status gd_parametric_helicoid(double pitch, const double u_r
 
 #define GD_GRAPH_DEGREE_MAX 16
 
-/* A polynomial height: z = sum of coefficients[i * (degree_v + 1) + j] u^i v^j. */
+/* A polynomial that gives the height z = sum of coefficients[i * (degree_v + 1) + j] u^i v^j. */
 struct gd_graph {
     uint32_t degree_u, degree_v; /* at most GD_GRAPH_DEGREE_MAX */
     const double *coefficients;
@@ -177,8 +181,8 @@ struct gd_profile {
 };
 
 /* Creates a surface of revolution: (r(v) cos u, r(v) sin u, h(v)); u is the angle, closed with
- * period 2 pi; v is the profile's parameter. An end of the profile on the axis is a pole; elsewhere
- * the radius must not vanish. */
+ * period 2 pi; v is the profile's parameter. If an end of the profile is on the axis, it is a pole.
+ * Elsewhere the radius must not be 0. */
 GD_MUST_USE enum gd_status gd_parametric_revolution(const struct gd_profile *profile,
                                                     struct gd_parametric **out,
                                                     struct gd_detail *detail);

@@ -10,11 +10,12 @@ GD_EXTERN_C_BEGIN
 
 struct gd_path {
     double length;           /* length of the polyline */
-    uint32_t count;          /* points, at least 1 */
+    uint32_t count;          /* number of points, at least 1 */
     struct gd_point *points; /* from the start to the end of the path */
 };
 
-void gd_path_free(struct gd_path *path); /* frees the points and zeroes; NULL is allowed */
+/* Frees the points and zeroes the struct. NULL is allowed. */
+void gd_path_free(struct gd_path *path);
 
 GD_EXTERN_C_END
 

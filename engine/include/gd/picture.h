@@ -10,11 +10,11 @@
  *         free(bytes);
  *     }
  *
- * The projection is parallel. Each pixel averages 16 samples of the surface. Colours show exact
- * distances at the pixels, not interpolated ones. Isolines are exact (gd/isoline.h), to a tenth of
- * a pixel. Hidden parts of a path are faint and dashed; hidden parts of isolines are left out. In
- * an SVG the surface is an image of the picture's size; lines and texts are vectors. engine/doc/025
- * gives the reasons. */
+ * The projection is parallel. Each pixel is the mean of 16 samples of the surface. Colours show the
+ * exact distances at the pixels, not interpolated ones. Isolines are exact (gd/isoline.h), and are
+ * drawn with an error of at most a tenth of a pixel. Hidden parts of a path are faint and dashed.
+ * Hidden parts of isolines are not drawn. In an SVG file, the surface is an image of the picture's
+ * size, and lines and texts are vectors. engine/doc/025 gives the reasons. */
 #ifndef GD_PICTURE_H
 #define GD_PICTURE_H
 
@@ -27,16 +27,18 @@ GD_EXTERN_C_BEGIN
 #define GD_PICTURE_PIXELS   ((uint32_t)3840 * 2160)
 #define GD_PICTURE_ISOLINES 100  /* largest number of isolines */
 #define GD_PICTURE_LAYERS   512  /* largest number of layers */
-#define GD_PICTURE_LABEL    40   /* characters of a label */
-#define GD_PICTURE_LABELS   1000 /* labels of a picture */
-#define GD_PICTURE_WIDTH    50   /* units of the widest line and of the largest mark */
-#define GD_PICTURE_FARTHEST 1e6  /* distance of lines and marks, relative to the surface's size */
-#define GD_PICTURE_ZOOM     100  /* largest zoom */
+#define GD_PICTURE_LABEL    40   /* largest number of characters of a label */
+#define GD_PICTURE_LABELS   1000 /* largest number of labels of a picture */
+/* width of the widest line, and radius of the largest mark, in units */
+#define GD_PICTURE_WIDTH 50
+/* largest distance of lines and marks from the surface, relative to the surface's size */
+#define GD_PICTURE_FARTHEST 1e6
+#define GD_PICTURE_ZOOM     100 /* largest zoom */
 
 /* The direction of view, relative to `up`. With up y, the front is seen from +z and the right from
  * +x; with up z, the front from -y. */
 enum gd_view {
-    /* GD_VIEW_ISO, or another view that shows more of the path or of the field's source */
+    /* GD_VIEW_ISO, or another view if it shows more of the path or of the field's source */
     GD_VIEW_CHOSEN,
     GD_VIEW_FRONT,
     GD_VIEW_BACK,
@@ -50,11 +52,11 @@ enum gd_view {
 
 enum gd_background { GD_BACKGROUND_WHITE, GD_BACKGROUND_DARK, GD_BACKGROUND_TRANSPARENT };
 
-/* A colour 0xRRGGBB (sRGB). The value 0 selects the default colour. So a colour that is set has an
- * additional bit, which distinguishes black from the default. */
+/* A colour 0xRRGGBB (sRGB). The value 0 selects the default colour. An additional bit is set in all
+ * other values, so that black differs from the default. */
 #define GD_PICTURE_RGB(rgb) ((uint32_t)(rgb) | UINT32_C(1) << 24)
 
-/* How the parts of lines and marks that the surface hides are drawn. */
+/* How to draw the parts of lines and marks that are behind the surface. */
 enum gd_hidden { GD_HIDDEN_FAINT, GD_HIDDEN_NONE, GD_HIDDEN_SHOWN };
 
 enum gd_line_ends {
@@ -64,54 +66,58 @@ enum gd_line_ends {
 };
 
 /* Polylines that are drawn with one pen, or marks, which are discs with labels. They may lie on the
- * surface or elsewhere in space. All zero is the default, except for the points. Lengths of lines
- * and marks are in units: a unit is a pixel in a picture of 800 x 600, and grows with the
- * picture. */
+ * surface or elsewhere in space. All members except the points may be zero, which means the
+ * defaults. Widths of lines and radii of marks are in units. A unit is one pixel in a picture of
+ * 800 x 600 pixels, and grows with the size of the picture. */
 struct gd_picture_layer {
     const struct gd_vec3 *points; /* positions in the caller's unit, borrowed */
-    /* Lines: count + 1 ascending items; line i has the points first[i] to first[i + 1] - 1.
-       NULL: the points are marks. */
+    /* For lines: count + 1 ascending items; line i has the points first[i] to first[i + 1] - 1.
+       NULL means that the points are marks. */
     const uint32_t *first;
     uint32_t count; /* number of lines or marks */
-    /* Marks: for each mark a text of printable ASCII, or NULL if it has no label. NULL: no mark has
-       a label. */
+    /* For each mark, a text of printable ASCII, or NULL if the mark has no label. The array is NULL
+       if no mark has a label. */
     const char *const *labels;
-    uint32_t id;      /* number of the layer's group in an SVG file */
-    const char *name; /* text of printable ASCII in the legend; NULL: not in the legend */
-    uint32_t colour;  /* GD_PICTURE_RGB; 0: a different colour for each layer */
-    double width;     /* of lines, 0: 3 for one line, 1.6 for several; radius of marks, 0: 4.2 */
+    uint32_t id; /* number of the layer's group in an SVG file */
+    /* text of printable ASCII in the legend; NULL means that the legend omits the layer */
+    const char *name;
+    uint32_t colour; /* GD_PICTURE_RGB; 0 means a different colour for each layer */
+    /* width of lines, where 0 means 3 for one line and 1.6 for several; or radius of marks, where 0
+       means 4.2 */
+    double width;
     enum gd_hidden hidden;
-    enum gd_line_ends ends; /* of lines */
+    enum gd_line_ends ends; /* ends of lines */
 };
 
-/* All zero is the default, except for the mesh. */
+/* All members except the mesh may be zero, which means the defaults. */
 struct gd_picture {
     /* Borrowed, as are `field` and `path`, which belong to this mesh, and all arrays. */
     const struct gd_mesh *mesh;
-    const struct gd_field *field;          /* NULL: none */
-    const struct gd_path *path;            /* NULL: none; drawn like a layer, before `layers` */
+    const struct gd_field *field; /* NULL means none */
+    /* drawn like a layer, before `layers`; NULL means none */
+    const struct gd_path *path;
     const struct gd_picture_layer *layers; /* drawn in this order */
     uint32_t layer_count;
-    uint32_t width, height; /* pixels; 0: 800 x 600 */
+    uint32_t width, height; /* pixels; 0 means 800 x 600 */
     enum gd_view view;
-    /* GD_VIEW_DIRECTION: from the surface to the eye, of any length except 0 */
+    /* for GD_VIEW_DIRECTION: vector from the surface to the eye, of any length except 0 */
     struct gd_vec3 direction;
     /* Upward direction in the picture, of any length; 0 means y. The component along the line of
        sight is ignored. */
     struct gd_vec3 up;
-    double zoom; /* at least 1; 0: 1, the whole surface just fits */
-    /* with a zoom above 1: the position in the middle, in the caller's unit; NULL: the middle of
-       the surface */
+    double zoom; /* at least 1; with 1 the whole surface just fits into the picture; 0 means 1 */
+    /* for a zoom above 1: the position in the middle of the picture, in the caller's unit; NULL
+       means the middle of the surface */
     const struct gd_vec3 *target;
-    uint32_t isolines; /* about this many, at round distances; 0: none */
-    /* distances of isolines, which replace `isolines`; NULL: none are given */
+    uint32_t isolines; /* approximate number of isolines, at round distances; 0 means none */
+    /* distances of isolines, which replace `isolines`; may be NULL */
     const double *levels;
     uint32_t level_count;
-    double isoline_width;                    /* units; 0: 1 */
-    uint32_t isoline_colour, surface_colour; /* GD_PICTURE_RGB; 0: the default */
-    bool edges; /* draws the triangles' edges where they are not too dense */
-    /* draws a colour scale of distances if there is a field, the length if there is a path, and the
-       names of layers */
+    double isoline_width;                    /* in units; 0 means 1 */
+    uint32_t isoline_colour, surface_colour; /* GD_PICTURE_RGB; 0 means the default */
+    bool edges; /* true if the triangles' edges are drawn, where they are not too dense */
+    /* true if a legend is drawn: a colour scale of distances if there is a field, the length if
+       there is a path, and the names of layers */
     bool legend;
     enum gd_background background;
 };

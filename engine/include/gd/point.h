@@ -1,8 +1,8 @@
 /* Surface point: a point of a mesh, which is a vertex, or lies on an edge or in a face. The
- * constructors decide the kind.
+ * constructors determine its kind.
  *
- * If a point lies on a vertex or an edge up to rounding, they move it onto that vertex or edge.
- * Later computations then need no such test. `element` is an internal number of the mesh;
+ * If a point lies on a vertex or an edge up to rounding, they move it onto this vertex or edge. So
+ * later computations need no such test. `element` is an internal number of the mesh;
  * gd_point_describe converts a point to the caller's numbering. */
 #ifndef GD_POINT_H
 #define GD_POINT_H
@@ -48,10 +48,10 @@ GD_MUST_USE enum gd_status gd_point_in_face(const struct gd_mesh *mesh, struct g
 struct gd_point_description {
     struct gd_vec3 xyz;
     struct gd_face face;   /* the lowest-numbered face that contains the point */
-    double barycentric[3]; /* in that face, corners in the input's order */
+    double barycentric[3]; /* coordinates in this face, with corners in the input's order */
     enum gd_point_kind kind;
-    struct gd_vertex vertex;  /* kind == GD_POINT_VERTEX */
-    struct gd_vertex edge[2]; /* kind == GD_POINT_EDGE: edge[0].index < edge[1].index */
+    struct gd_vertex vertex;  /* valid if kind == GD_POINT_VERTEX */
+    struct gd_vertex edge[2]; /* valid if kind == GD_POINT_EDGE; edge[0].index < edge[1].index */
     double t;                 /* fraction of the edge, from edge[0] */
 };
 
@@ -60,7 +60,8 @@ void gd_point_describe(const struct gd_mesh *mesh, const struct gd_point *point,
 
 struct gd_vec3 gd_point_position(const struct gd_mesh *mesh, const struct gd_point *point);
 
-/* Computes x, y, z of `count` points, to the last bit as gd_point_position. */
+/* Computes x, y, z of `count` points. The results equal those of gd_point_position to the last
+ * bit. */
 void gd_points_positions(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count,
                          double (*out)[3]);
 
@@ -68,7 +69,8 @@ void gd_points_positions(const struct gd_mesh *mesh, const struct gd_point *poin
  * components. O(1). */
 uint32_t gd_point_component(const struct gd_mesh *mesh, const struct gd_point *point);
 
-/* Returns true if both points are the same canonical point, to the last bit. */
+/* Returns true if both points are equal to the last bit. The points must come from the
+ * constructors. */
 static inline bool gd_point_equal(const struct gd_point *a, const struct gd_point *b)
 {
     return a->kind == b->kind && a->element == b->element &&

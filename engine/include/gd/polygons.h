@@ -14,12 +14,12 @@ GD_EXTERN_C_BEGIN
 #define GD_NONE UINT32_MAX
 
 struct gd_polygons {
-    double (*positions)[3]; /* position_count entries */
+    double (*positions)[3]; /* position_count entries (x, y, z) */
     uint32_t position_count;
     uint32_t polygon_count;
     /* vertex indices of all polygons, polygon after polygon, each < position_count */
     uint32_t *corners;
-    /* polygon_count + 1 offsets into `corners`; NULL means that all are triangles */
+    /* polygon_count + 1 offsets into `corners`; NULL means that all polygons are triangles */
     uint32_t *first;
 };
 

@@ -14,24 +14,25 @@ GD_EXTERN_C_BEGIN
 enum gd_pair_output {
     GD_PAIR_DISTANCE,
     GD_PAIR_PATH, /* distance and path */
-    /* distance, path, and whether the path is unique: several times the cost of the path */
+    /* distance, path, and whether the path is unique; this takes several times as long as the
+       path */
     GD_PAIR_PATH_AND_CUT
 };
 
 struct gd_pair_answer {
     double distance;     /* INFINITY means no path */
     struct gd_path path; /* from `from` to `to`; count 0 if no path was requested or none exists */
-    /* The ends lie on each other's cut locus: other paths are equally short. False if not
-       requested. */
+    /* True if the ends lie on each other's cut locus, so that other paths are equally short. False
+       if not requested. */
     bool is_cut;
 };
 
 void gd_pair_answer_free(struct gd_pair_answer *answer);
 
-/* Computes distance or path of a pair from a field whose single seed, without offset, is one of the
- * two points. The caller frees `*out` by gd_pair_answer_free. Errors: GD_INVALID_ARGUMENT (neither
- * point is the seed), GD_BEYOND_REACH, GD_NO_MEMORY, GD_INTERNAL. Cost: see gd_field_distance and
- * gd_field_path. Thread-safe. */
+/* Computes distance or path of a pair from a field. One of the two points must be the field's only
+ * seed, without offset. The caller frees `*out` by gd_pair_answer_free. Errors: GD_INVALID_ARGUMENT
+ * (neither point is the seed), GD_BEYOND_REACH, GD_NO_MEMORY, GD_INTERNAL. Cost: see
+ * gd_field_distance and gd_field_path. Thread-safe. */
 GD_MUST_USE enum gd_status gd_pair_from_field(const struct gd_field *field,
                                               const struct gd_point *from,
                                               const struct gd_point *to, enum gd_pair_output output,
@@ -40,15 +41,16 @@ GD_MUST_USE enum gd_status gd_pair_from_field(const struct gd_field *field,
 struct gd_pair_request {
     const struct gd_point *from, *to;
     enum gd_pair_output output;
-    /* of the same mesh, to speed up the search; they do not change the result; may be NULL */
+    /* landmarks of the same mesh, which make the search faster and do not change the result; may be
+       NULL */
     const struct gd_landmarks *landmarks;
 };
 
-/* Computes distance or path of a pair without a field: propagates only windows that may be part of
+/* Computes distance or path of a pair without a field. Propagates only windows that may be part of
  * a shortest path. The distance of points on different components is INFINITY. `control` and
  * `detail` may be NULL. The caller frees `*out` by gd_pair_answer_free. Errors: those of
- * gd_field_build. Cost: a small part of the cost of a field; with a workspace in `control`,
- * independent of the mesh's size. Thread-safe. */
+ * gd_field_build. Cost: a small part of the cost of a field. With a workspace in `control`, it does
+ * not depend on the size of the mesh. Thread-safe. */
 GD_MUST_USE enum gd_status gd_pair_solve(const struct gd_mesh *mesh,
                                          const struct gd_pair_request *request,
                                          const struct gd_control *control,

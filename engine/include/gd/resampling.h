@@ -10,11 +10,11 @@ GD_EXTERN_C_BEGIN
 
 struct gd_resampling_request {
     const struct gd_curve *curve;
-    uint32_t count; /* points, from 2 to GD_RESAMPLING_POINTS */
+    uint32_t count; /* number of points, from 2 to GD_RESAMPLING_POINTS */
 };
 
 struct gd_resampling {
-    struct gd_curve curve; /* through all points */
+    struct gd_curve curve; /* the curve through all points */
     struct gd_point *points;
     uint32_t count;
 };

@@ -4,15 +4,15 @@
  *     enum gd_status status = gd_write_result(&result, GD_RESULT_PLY, &bytes, &size);
  *
  * PLY: the mesh, binary little-endian, in doubles, with a vertex property `distance` (NaN if there
- * is none). Lines are left out.
+ * is none). Lines are not written.
  *
- * OBJ: the mesh, if any, then the lines as `v` and `l` statements with exact doubles. The lines of
- * one level form a group, for example `g level_0.5`. Distances are left out.
+ * OBJ: the mesh, if there is one, then the lines as `v` and `l` statements with exact doubles. The
+ * lines of one level form a group, for example `g level_0.5`. Distances are not written.
  *
- * CSV: with lines, a row `line,point,x,y,z,along` for each point, where `along` is the length of
- * the line up to that point; with levels, another column `level`. Without lines, a row
- * `vertex,x,y,z,distance` for each vertex, with an empty last cell if there is no distance. Rows
- * end with CR LF (RFC 4180).
+ * CSV: if there are lines, a row `line,point,x,y,z,along` for each point, where `along` is the
+ * length of the line up to this point. If there are levels, there is another column `level`.
+ * Without lines, there is a row `vertex,x,y,z,distance` for each vertex; its last cell is empty if
+ * there is no distance. Rows end with CR LF (RFC 4180).
  *
  * GLB: mesh and lines in one scene, in floats relative to an origin stored in doubles as the node's
  * translation (gd/io.h). Distances are stored twice: as COLOR_0, coloured by gd/colour_map.h as
@@ -55,7 +55,7 @@ enum gd_result_format {
 
 /* Where an object is, and how it is turned, when it moves along a line. */
 struct gd_pose {
-    double along; /* length of the line up to here */
+    double along; /* length of the line up to this pose */
     struct gd_vec3 position;
     struct gd_vec3 tangent, normal; /* perpendicular unit vectors */
 };
@@ -75,16 +75,20 @@ struct gd_result_layer {
 /* All borrowed; missing parts are NULL or 0. */
 struct gd_result {
     const struct gd_polygons *mesh; /* triangles with finite coordinates */
-    const double *distances;        /* one for each position of the mesh; not finite: none */
-    const double (*points)[3];      /* points of all lines, line after line; finite */
+    /* one for each position of the mesh; a value that is not finite means that there is no
+       distance */
+    const double *distances;
+    /* points of all lines, line after line; the coordinates must be finite */
+    const double (*points)[3];
     /* line_count + 1 offsets into `points`; a line has at least one point */
     const uint32_t *first;
     uint32_t line_count;
-    /* for isolines: the level of each line, finite; lines of one level are consecutive */
+    /* for isolines: the level of each line, which must be finite; lines of one level must be
+       consecutive */
     const double *levels;
     /* For a moving object: poses on the line, in ascending order of `along`. If the times of
-       several poses are equal as floats, only the first of these poses is written. If the poses
-       have no length, the file has no object. */
+       several poses are equal when rounded to floats, only the first of these poses is written. If
+       the line has the length 0, no object is written. */
     const struct gd_pose *poses;
     uint32_t pose_count;
     /* of a scene; other formats than GLB leave them out */
@@ -94,13 +98,13 @@ struct gd_result {
 };
 
 /* Writes a result. `*out` is allocated by malloc and owned by the caller. Errors:
- * GD_INVALID_ARGUMENT (the format can't represent the result: PLY without mesh, OBJ without lines,
+ * GD_INVALID_ARGUMENT (the format cannot represent the result: PLY without mesh, OBJ without lines,
  * distances without mesh), GD_NOT_TRIANGLES, GD_NON_FINITE (GLB: beyond the range of floats),
  * GD_TOO_LARGE (GLB: 4 GiB), GD_NO_MEMORY. Time linear in the output. Thread-safe. */
 GD_MUST_USE enum gd_status gd_write_result(const struct gd_result *result,
                                            enum gd_result_format format, char **out, size_t *size);
 
-/* Returns an upper bound of the bytes that writing needs, including the output. */
+/* Returns an upper bound of the bytes that are needed to write a result, including the output. */
 size_t gd_result_cost(const struct gd_result *result);
 
 GD_EXTERN_C_END

@@ -22,15 +22,16 @@ struct gd_sampling {
 };
 
 /* Computes a farthest-point sampling. Writes out->count points to out->points, beginning with
- * `start`, and covering radii to out->radii. radii[i] is the greatest distance of any point of the
- * surface to the nearest of points 0 to i, and so the distance of point i + 1 from the nearest
- * previous point. Radii never increase. Each point is the exact farthest one (gd_field_farthest): a
- * vertex, a point of a boundary edge, or inside a face. While some component has no point, radii
- * are INFINITY, and the next point is the unreached vertex of least index. If `start` is NULL, the
- * first point is the referenced vertex of least index. `control` and `detail` may be NULL; both
- * arrays are untouched on failure. Errors: GD_INVALID_ARGUMENT (a count of 0), those of
- * gd_field_build, GD_INTERNAL. Cost: for each point, a field of all points so far and the search
- * for its farthest point. Thread-safe. */
+ * `start`, and covering radii to out->radii. radii[i] is the greatest distance that a point of the
+ * surface has from the nearest one of points 0 to i. So it is also the distance of point i + 1 from
+ * the nearest previous point. Radii never increase. Each point is exactly the farthest point of the
+ * surface (gd_field_farthest): a vertex, a point of a boundary edge, or a point inside a face. As
+ * long as a component has no point, radii are INFINITY, and the next point is the vertex with the
+ * lowest index on a component without points. If `start` is NULL, the first point is the vertex
+ * with the lowest index among those that faces use. `control` and `detail` may be NULL; both arrays
+ * are untouched on failure. Errors: GD_INVALID_ARGUMENT (a count of 0), those of gd_field_build,
+ * GD_INTERNAL. Cost: for each point, a field of all points so far and the search for its farthest
+ * point. Thread-safe. */
 GD_MUST_USE enum gd_status gd_sampling_farthest(const struct gd_mesh *mesh,
                                                 const struct gd_point *start,
                                                 const struct gd_control *control,

@@ -9,9 +9,9 @@
  *     }
  *
  * Source: G. D. Birkhoff's curve shortening: pieces of the curve are replaced by geodesics between
- * their ends. Pieces are pulled tight within the faces that they cross, and around vertices on the
- * shorter side. Therefore the curve never moves across a hole, and its limit is a locally shortest
- * curve. */
+ * their ends. A piece is pulled tight within the faces that it crosses. At a vertex, it moves to
+ * the side on which it is shorter. Therefore the curve never moves across a hole, and its limit is
+ * a locally shortest curve. */
 #ifndef GD_SHORTENING_H
 #define GD_SHORTENING_H
 
@@ -20,7 +20,7 @@
 GD_EXTERN_C_BEGIN
 
 #define GD_SHORTENING_PIECES 16   /* default number of pieces */
-#define GD_SHORTENING_ROUNDS 1000 /* limit on rounds for a closed geodesic */
+#define GD_SHORTENING_ROUNDS 1000 /* largest number of rounds for a closed geodesic */
 
 struct gd_shortening_request {
     const struct gd_curve *curve;
@@ -39,16 +39,16 @@ struct gd_shortening {
 
 void gd_shortening_free(struct gd_shortening *shortening); /* NULL is allowed */
 
-/* Shortens the curve in `rounds` rounds. Each round divides it into `pieces` and straightens them;
- * every other round shifts the divisions by half a piece. The ends of an open curve stay. If
- * `rounds` is 0, the result is a geodesic: an open curve is straightened in one step, and a closed
- * curve in up to GD_SHORTENING_ROUNDS rounds. Each of these rounds begins at another point of the
- * curve, and thus straightens the bend at the beginning of the previous round. `control` and
- * `detail` may be NULL. The caller frees `*out` by gd_shortening_free. Errors: GD_INVALID_ARGUMENT
- * (a closed curve that shrinks to a point), GD_TOO_LARGE (more than 65536 pieces), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (two consecutive points without a common face).
- * Cost: a round is linear in the number of faces that the curve crosses or moves across.
- * Thread-safe. */
+/* Shortens the curve in `rounds` rounds. Each round divides the curve into `pieces` pieces and
+ * straightens them. Every second round shifts the divisions by half a piece. The ends of an open
+ * curve are fixed. If `rounds` is 0, the result is a geodesic: an open curve is straightened in one
+ * step, and a closed curve in up to GD_SHORTENING_ROUNDS rounds. Each of these rounds begins at
+ * another point of the curve, and thus straightens the bend at the beginning of the previous round.
+ * `control` and `detail` may be NULL. The caller frees `*out` by gd_shortening_free. Errors:
+ * GD_INVALID_ARGUMENT (a closed curve that shrinks to a point), GD_TOO_LARGE (more than 65536
+ * pieces), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (two consecutive points
+ * without a common face). Cost: a round is linear in the number of faces that the curve crosses or
+ * moves across. Thread-safe. */
 GD_MUST_USE enum gd_status gd_curve_shorten(const struct gd_mesh *mesh,
                                             const struct gd_shortening_request *request,
                                             const struct gd_control *control,

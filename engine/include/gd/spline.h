@@ -21,9 +21,9 @@
  * gd/vector.h defines (+) and (-).
  *
  * The curve is the limit of repeated halving of the control polygons by de Casteljau's construction
- * with parameter 1/2. The geodesics of the construction result from pulling the polygon tight, so
- * that they are continuous where shortest paths jump. Halving stops when a polygon is so close to
- * its chord that the construction is accurate for any parameter. */
+ * with parameter 1/2. To compute the geodesics of the construction, the polygon is pulled tight. So
+ * they change continuously where shortest paths would jump. Halving stops when a polygon is so
+ * close to its chord that the construction is accurate for any parameter. */
 #ifndef GD_SPLINE_H
 #define GD_SPLINE_H
 
@@ -35,8 +35,8 @@
 GD_EXTERN_C_BEGIN
 
 enum gd_tangent_rule {
-    /* (1-c) (p_(i+1) (-) p_i - p_(i-1) (-) p_i) / (u_(i+1) - u_(i-1)): reversing the points
-       reverses the curve */
+    /* (1-c) (p_(i+1) (-) p_i - p_(i-1) (-) p_i) / (u_(i+1) - u_(i-1)); if the points are reversed,
+       the curve is reversed */
     GD_TANGENT_SYMMETRIC,
     /* (1-c) (p_(i+1) (-) p_(i-1)) / (u_(i+1) - u_(i-1)), transported from p_(i-1) to p_i: equation
        5 */
@@ -44,7 +44,7 @@ enum gd_tangent_rule {
 };
 
 enum gd_end_rule {
-    GD_END_NATURAL, /* (3/2) (p_1 (-) p_0) / D - v_1 / 2: no curvature at the end */
+    GD_END_NATURAL, /* (3/2) (p_1 (-) p_0) / D - v_1 / 2; the curvature at the end is 0 */
     GD_END_ZERO     /* zero tangent, as in the paper */
 };
 
@@ -52,8 +52,8 @@ struct gd_spline_request {
     /* borrowed; at least 2, all on one component; consecutive points differ */
     const struct gd_point *points;
     uint32_t count;
-    /* joins the last point to the first, which is not repeated; a closed spline of two points runs
-       from the first to the second and back */
+    /* true if the last point is joined to the first, which is not repeated; a closed spline of two
+       points runs from the first to the second and back */
     bool closed;
     double alpha; /* in [0, 1]: 0 uniform, 1/2 centripetal, 1 chordal */
     /* c, from 0 (Catmull-Rom) to 1 (tangents of inner points are 0, and the curve is a geodesic
@@ -61,16 +61,18 @@ struct gd_spline_request {
     double tension;
     enum gd_tangent_rule tangent_rule;
     enum gd_end_rule end_rule;
-    /* One tangent for each point, of which only angle and length are used; NULL means that the
-       rules determine all. */
+    /* One tangent for each point; only its angle and length are used. NULL means that the rules
+       determine all tangents. */
     const struct gd_vector *tangents;
-    /* for each point, true if its entry of `tangents` is used; NULL means that all are */
+    /* for each point, true if its entry of `tangents` is used; NULL means that all entries are
+       used */
     const bool *is_given;
-    const struct gd_landmarks *landmarks; /* of the same mesh, to speed up searches; may be NULL */
+    /* landmarks of the same mesh, which make searches faster; may be NULL */
+    const struct gd_landmarks *landmarks;
     /* only used by gd_spline_curve, which ignores sampling->spline */
     const struct gd_spline_sampling *sampling;
-    /* Runs two searches at a time, and then computes two segments at a time. NULL means one at a
-     * time. The result is the same. */
+    /* With an executor, two searches run at a time, and then two segments are computed at a time.
+     * NULL means one at a time. The result is the same. */
     const struct gd_executor *executor;
 };
 
@@ -79,9 +81,9 @@ struct gd_spline_knot {
     double parameter;
     struct gd_vector tangent;
     /* Angle in radians between the arriving and the leaving curve, and the difference of their
-       speeds relative to the greater speed, both measured on the control polygon. 0 at the ends;
-       not 0 next to a clipped arm. Where the speed is 0, the angle is that between the limits of
-       the curve's tangents. */
+       speeds relative to the greater speed, both measured on the control polygon. They are 0 at the
+       ends of an open spline. They are not 0 at a knot with a clipped arm. If the speed is 0, the
+       angle is that between the limits of the curve's tangents. */
     double angle_jump;
     double speed_jump;
 };
@@ -90,23 +92,25 @@ struct gd_spline_segment {
     struct gd_point control[4];
     struct gd_path arms[3]; /* geodesics between consecutive control points, in the caller's unit */
     double begin, end;      /* parameters of control[0] and control[3] */
-    double distance;        /* between control[0] and control[3] */
-    bool is_clipped;        /* a tangent leads over the boundary: its arm ends at the boundary */
-    /* control[0] and control[3] lie on each other's cut locus: another path between them is equally
-       short, so the curve may jump when a point moves */
+    double distance;        /* distance between control[0] and control[3] */
+    /* true if a tangent leads over the boundary; its arm then ends at the boundary */
+    bool is_clipped;
+    /* true if control[0] and control[3] lie on each other's cut locus: another path between them is
+       equally short, so the curve may jump if a point is moved */
     bool is_cut;
 };
 
 /* Owns its arrays. */
 struct gd_spline {
     bool closed;
-    uint32_t count; /* segments */
+    uint32_t count; /* number of segments */
     struct gd_spline_segment *segments;
-    /* count + 1; the last knot of a closed spline is the first knot, one period later */
+    /* count + 1 knots; the last knot of a closed spline is its first knot, one period later */
     struct gd_spline_knot *knots;
 };
 
-void gd_spline_free(struct gd_spline *spline); /* frees the arrays and zeroes; NULL is allowed */
+/* Frees the arrays and zeroes the struct. NULL is allowed. */
+void gd_spline_free(struct gd_spline *spline);
 
 /* Builds the spline of a request. The caller frees `*out` by gd_spline_free. `control` and `detail`
  * may be NULL. If one point causes an error, detail->elements[0][0] is its number and detail->count
@@ -121,13 +125,13 @@ GD_MUST_USE enum gd_status gd_spline_build(const struct gd_mesh *mesh,
                                            const struct gd_control *control, struct gd_spline *out,
                                            struct gd_detail *detail);
 
-#define GD_SPLINE_PLACES (1u << 20) /* limit on the places of one sampling */
+#define GD_SPLINE_PLACES (1u << 20) /* largest number of places of one sampling */
 
 enum gd_spline_evaluation {
     GD_SPLINE_HALVING,
     /* De Casteljau's construction at each parameter, from the segment's four control points, as the
-       paper defines the curve. It agrees with halving in the plane. On curved surfaces it differs,
-       and the speed has jumps where geodesics of the construction jump. */
+       paper defines the curve. In the plane, the result equals that of halving. On curved surfaces
+       it differs, and the speed jumps where geodesics of the construction jump. */
     GD_SPLINE_DE_CASTELJAU
 };
 
@@ -135,13 +139,13 @@ enum gd_spline_evaluation {
  * parameters is not 0. */
 struct gd_spline_sampling {
     const struct gd_spline *spline;
-    uint32_t per_segment; /* this number of equal parameter steps for each segment */
-    uint32_t even;        /* this number of equal steps of arc length in all */
-    /* a length: largest distance between polyline and curve, not counting the surface's curvature
-       within a step */
+    uint32_t per_segment; /* number of equal steps of the parameter for each segment */
+    uint32_t even;        /* total number of equal steps of arc length */
+    /* largest distance between polyline and curve, a length; it does not include the effect of the
+       surface's curvature within a step */
     double tolerance;
-    /* a length: equal arc lengths, as near to it as a whole number of steps allows; accurate to
-       about 1e-6 */
+    /* Arc length of a step. All steps have the same arc length, with an error of about 1e-6. It is
+       as near to this value as a whole number of steps allows. */
     double spacing;
     const double *parameters; /* ascending, within the range of the knots */
     uint32_t count;           /* number of `parameters` */
@@ -153,14 +157,14 @@ struct gd_spline_sampling {
 struct gd_spline_place {
     double parameter;
     struct gd_point point;
-    /* unit tangent of the curve; defined also where the speed is 0 */
+    /* unit tangent of the curve; also defined where the speed is 0 */
     struct gd_direction tangent;
-    double speed; /* length per unit of the parameter */
+    double speed; /* length of the curve per unit of the parameter */
     double along; /* length of the line's path up to this place */
 };
 
 struct gd_spline_line {
-    struct gd_path path; /* through all places, joined by geodesics */
+    struct gd_path path; /* the path through all places, which are joined by geodesics */
     struct gd_spline_place *places;
     uint32_t count;
     double step; /* with `even` and `spacing`: arc length between two places; otherwise 0 */

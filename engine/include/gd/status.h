@@ -81,7 +81,8 @@ enum gd_element {
 #define GD_DETAIL_ELEMENTS 8
 #define GD_DETAIL_TEXT     200
 
-/* Details of a failure, filled if the caller passes one; untouched on success. */
+/* Details of a failure. A function fills the struct if the caller passes one. It is untouched on
+ * success. */
 struct gd_detail {
     enum gd_element kind;
     uint64_t total; /* number of offending elements */

@@ -36,7 +36,8 @@ struct gd_valence {
 struct gd_subdivision_summary {
     uint32_t vertex_count, edge_count, face_count;
     uint32_t boundary_edges, boundary_loops;
-    /* edges and vertices tagged with a sharpness above 0; boundary edges are not counted */
+    /* numbers of edges and vertices that are tagged with a sharpness above 0, without boundary
+       edges */
     uint32_t crease_edges, corner_vertices;
     /* Interior vertices with a valence other than 4 (Loop: 6), by ascending valence. The valence of
        a vertex is its number of edges. */
@@ -52,15 +53,15 @@ struct gd_subdivision_summary {
  * the same direction); GD_OUT_OF_RANGE (a tag's vertex), GD_NO_SUCH_EDGE (a crease that is not an
  * edge), GD_UNREFERENCED_VERTEX (a corner tag on a vertex without faces), GD_INVALID_ARGUMENT (a
  * sharpness below 0 or not a number); GD_UNSUPPORTED (GD_INTERPOLATE_NONE on a mesh with a
- * boundary); GD_TOO_LARGE (over 2^26 corners); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
- * Cost: expected linear time; about 80 bytes a corner. Thread-safe. */
+ * boundary); GD_TOO_LARGE (more than 2^26 corners); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE. Cost: expected linear time; about 80 bytes a corner. Thread-safe. */
 GD_MUST_USE enum gd_status gd_subdivision_create(const struct gd_control_mesh *control_mesh,
                                                  enum gd_scheme scheme,
                                                  const struct gd_control *control,
                                                  struct gd_subdivision **out,
                                                  struct gd_detail *detail);
 
-/* Add and drop a reference; thread-safe. */
+/* Add or remove a reference. Thread-safe. */
 struct gd_subdivision *gd_subdivision_retain(const struct gd_subdivision *surface);
 void gd_subdivision_release(const struct gd_subdivision *surface); /* NULL is allowed */
 

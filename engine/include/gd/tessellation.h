@@ -24,17 +24,16 @@ struct gd_tessellation;
 #define GD_TESSELLATION_FACES     4096 /* approximate default number of triangles */
 #define GD_TESSELLATION_FACES_MAX 16777216
 
-/* with fewer steps around a closed direction the mesh is invalid */
+/* with fewer steps around a closed direction, the mesh would be invalid */
 #define GD_TESSELLATION_STEPS_LEAST 3
 
-/* All zero: about GD_TESSELLATION_FACES triangles. */
+/* If all members are zero, there are about GD_TESSELLATION_FACES triangles. */
 struct gd_tessellation_options {
     uint32_t faces; /* approximate number of triangles; more if lines or `deviation` need them */
-    /* length > 0: approximate limit on the distance of an edge from the surface; 0 means no
-       limit */
+    /* approximate limit on the distance of an edge from the surface, a length; 0 means no limit */
     double deviation;
-    /* Replaces `faces` and `deviation`: numbers of equal steps in u and in v, at least
-       GD_TESSELLATION_STEPS_LEAST each. Both 0: unused. */
+    /* Numbers of equal steps in u and in v, which replace `faces` and `deviation`. Each is at least
+       GD_TESSELLATION_STEPS_LEAST, or both are 0, which means unused. */
     uint32_t steps[2];
 };
 
@@ -58,7 +57,8 @@ const struct gd_parametric *gd_tessellation_surface(const struct gd_tessellation
 const struct gd_mesh *gd_tessellation_mesh(const struct gd_tessellation *tessellation);
 const struct gd_polygons *gd_tessellation_polygons(const struct gd_tessellation *tessellation);
 
-/* Returns (u, v) of a vertex; of several welded copies, the lowest (u, v). O(1). */
+/* Returns (u, v) of a vertex. If a vertex has several (u, v), because copies were welded, returns
+ * the lowest. O(1). */
 void gd_tessellation_vertex(const struct gd_tessellation *tessellation, struct gd_vertex vertex,
                             double uv[2]);
 

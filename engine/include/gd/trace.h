@@ -16,15 +16,15 @@
  * on the rule:
  *     bisect    leaves half of the total angle on each side
  *     normal    continues in the plane that contains the arriving line and the vertex' normal: for
- *               meshes that approximate a smooth surface
- * A line that passes a vertex at a distance within rounding goes through the vertex, so that
- * rounding does not choose the side. The tolerance is 1e-12 of the crossed edge or of the distance
- * from the start, whichever is shorter, plus 4e-15 of the edge.
+ *               meshes that approximate a smooth surface If a line passes a vertex at a distance
+ * within rounding errors, it goes through the vertex. Otherwise rounding errors would determine on
+ * which side it passes. The tolerance is 1e-12 of the crossed edge or of the distance from the
+ * start, whichever is shorter, plus 4e-15 of the edge.
  *
- * At the boundary a line stops or slides. A sliding line turns into the boundary edge with which it
- * makes the smaller angle. It follows the boundary as long as its angle with the next edge is
- * acute. It leaves the boundary where its straight continuation is on the surface. At a boundary
- * vertex the straight continuation is half a turn from the direction back. */
+ * At the boundary a line stops or slides. A line that slides turns into the boundary edge with
+ * which it makes the smaller angle. It follows the boundary as long as its angle with the next edge
+ * is acute. It leaves the boundary where its straight continuation is on the surface. At a boundary
+ * vertex, the straight continuation makes the angle pi with the direction back along the line. */
 #ifndef GD_TRACE_H
 #define GD_TRACE_H
 
@@ -38,14 +38,15 @@ enum gd_boundary_rule { GD_BOUNDARY_RULE_STOP, GD_BOUNDARY_RULE_SLIDE };
 
 #define GD_TRACE_STEPS 1000000 /* default limit on steps */
 
-/* All zero: rule `bisect`, stops at the boundary, may cross itself, default limit. */
+/* If all members are zero, the rule is `bisect`, the line stops at the boundary, may cross itself,
+ * and has the default limit on steps. */
 struct gd_trace_options {
     enum gd_vertex_rule vertex_rule;
     /* For GD_VERTEX_RULE_NORMAL: a normal of any length for each vertex index, borrowed. NULL means
        the mean of the faces' normals, weighted by angle. */
     const struct gd_vec3 *normals;
     enum gd_boundary_rule boundary_rule;
-    /* ends where the line crosses or touches an earlier segment of itself */
+    /* true if the line ends where it crosses or touches an earlier segment of itself */
     bool stop_at_self_intersection;
     uint64_t step_limit; /* largest number of points after the first; 0 means GD_TRACE_STEPS */
 };
@@ -65,15 +66,16 @@ enum gd_trace_end {
 };
 
 struct gd_trace {
-    /* path.length is less than requested unless `end` is GD_TRACE_END_LENGTH */
+    /* path.length is the requested length if `end` is GD_TRACE_END_LENGTH, otherwise less */
     struct gd_path path;
-    /* The straight continuation at the end. If the line ended at the boundary, it leads off the
-       surface. */
+    /* The straight continuation at the end. If the line ended at the boundary, this direction leads
+       off the surface. */
     struct gd_direction direction;
     enum gd_trace_end end;
 };
 
-void gd_trace_free(struct gd_trace *trace); /* frees the path and zeroes; NULL is allowed */
+/* Frees the path and zeroes the struct. NULL is allowed. */
+void gd_trace_free(struct gd_trace *trace);
 
 /* Traces the line of the request. `control` and `detail` may be NULL. Lengths
  * are compensated sums: even a long line has the requested length to the last bits. The caller
@@ -87,9 +89,9 @@ GD_MUST_USE enum gd_status gd_trace_follow(const struct gd_mesh *mesh,
                                            struct gd_detail *detail);
 
 /* Returns direction `i` < `count` of a fan of `count` directions at equal angles. At an interior
- * point the fan goes all around, from angle zero. At a boundary point it goes from one direction
- * along the boundary to the other, both included. If `count` is 1, the fan has only the first of
- * these directions. O(1); O(faces) at a vertex. */
+ * point, the fan goes all around the point, beginning at angle zero. At a boundary point, it goes
+ * from one direction along the boundary to the other, and includes both. If `count` is 1, the fan
+ * has only the first of these directions. O(1); O(faces) at a vertex. */
 struct gd_direction gd_trace_fan(const struct gd_mesh *mesh, const struct gd_point *point,
                                  uint32_t count, uint32_t i);
 

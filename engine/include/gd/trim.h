@@ -1,5 +1,5 @@
-/* Trim: the loops of a trimmed surface, the part of a parametric surface inside an outer loop and
- * outside holes. gd_parametric_trim (gd/parametric.h) makes it.
+/* Trim: the loops of a trimmed surface. A trimmed surface is the part of a parametric surface that
+ * is inside an outer loop and outside holes. gd_parametric_trim (gd/parametric.h) makes it.
  *
  *     struct gd_trim_curve circle = {.degree = 2, .count = 9, .points = …, .weights = …, …};
  *     struct gd_trim_loop hole = {&circle, 1};
@@ -21,16 +21,16 @@
 GD_EXTERN_C_BEGIN
 
 #define GD_TRIM_LOOPS_MAX  256
-#define GD_TRIM_CURVES_MAX 1024 /* in one loop */
-#define GD_TRIM_POINTS_MAX 4096 /* in all loops */
+#define GD_TRIM_CURVES_MAX 1024 /* largest number of curves in one loop */
+#define GD_TRIM_POINTS_MAX 4096 /* largest number of points in all loops */
 #define GD_TRIM_DEGREE_MAX 15
 
-/* A part of a loop. With `knots` NULL, the curve is a polyline if degree is 1, else a Bézier curve
- * with degree + 1 points. */
+/* A part of a loop. If `knots` is NULL, the curve is a polyline if the degree is 1, and otherwise a
+ * Bézier curve with degree + 1 points. */
 struct gd_trim_curve {
     uint32_t degree, count;
     const double (*points)[2]; /* (u, v), not multiplied by weights */
-    const double *weights;     /* > 0; NULL: all 1 */
+    const double *weights;     /* > 0; NULL means that all are 1 */
     const double *knots;       /* count + degree + 1 */
 };
 
@@ -44,13 +44,13 @@ struct gd_trim_loop {
 struct gd_trims {
     const struct gd_trim_loop *loops;
     uint32_t count; /* at least 1 */
-    /* True: loops[0] is the outer loop. False: all loops are holes, and the domain extends to the
-       borders of the surface and across the seams of closed directions. Holes do not touch the
-       borders and do not cross the seams. */
+    /* True if loops[0] is the outer loop. False if all loops are holes; the domain then extends to
+       the borders of the surface and across the seams of closed directions. Holes must not touch
+       the borders or cross the seams. */
     bool has_outer;
 };
 
-/* The first fault: the loop and its curve, and a sentence. */
+/* The first fault: the numbers of the loop and of its curve, and a sentence. */
 struct gd_trim_fault {
     uint32_t loop, curve;
     struct gd_detail detail;

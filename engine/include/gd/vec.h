@@ -1,4 +1,5 @@
-/* Vec: points and vectors in space, by value. Coordinates are in the caller's length unit. */
+/* Vec: points and vectors in space, which are passed by value. Coordinates are in the caller's
+ * length unit. */
 #ifndef GD_VEC_H
 #define GD_VEC_H
 
@@ -63,8 +64,8 @@ static inline int gd_vec3_is_finite(struct gd_vec3 a)
     return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
 }
 
-/* Returns the unit vector in the direction of `a`, without overflow or underflow of squares.
- * Returns 0 if `a` is zero or not finite. */
+/* Returns the unit vector in the direction of `a`, or 0 if `a` is zero or not finite. The
+ * coordinates may be so large or small that their squares overflow or underflow. */
 static inline struct gd_vec3 gd_vec3_unit(struct gd_vec3 a)
 {
     double largest = fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));

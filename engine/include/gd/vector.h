@@ -24,14 +24,15 @@
 GD_EXTERN_C_BEGIN
 
 struct gd_vector {
-    struct gd_direction direction; /* arbitrary if the length is 0 */
+    struct gd_direction direction; /* any direction if the length is 0 */
     double length;
 };
 
-/* q (-) p. Segment 0 begins at p; each further segment begins at the vertex where the previous one
- * ends. */
+/* The vectors of q (-) p. Segment 0 begins at p. Each further segment begins at the vertex where
+ * the previous one ends. */
 struct gd_log {
-    struct gd_vector vector; /* direction of segment 0; length of the whole path */
+    /* its direction is that of segment 0, and its length that of the whole path */
+    struct gd_vector vector;
     struct gd_vector *segments;
     uint32_t count; /* number of segments; 0 if q equals p */
 };
@@ -53,21 +54,23 @@ struct gd_exp_request {
     const struct gd_trace_options *options; /* NULL means all zero */
 };
 
-/* Computes p (+) v for a vector of one or more segments, which are traced in turn. Of each
- * direction only the angle is used, at the point where the segment begins. A segment, except the
- * last one, that ends near a vertex (within 1e-9 of the segment's length) ends at the vertex. A
- * segment that meets the boundary with at most that length left counts as complete. The path joins
- * all segments. If a segment ends early (`out->end`), the others are skipped. Without segments the
- * result is the start. Options and errors are those of gd_trace_follow. */
+/* Computes p (+) v for a vector of one or more segments, which are traced one after another. Only
+ * the angle of each direction is used; it is measured at the point where the segment begins. If a
+ * segment except the last one ends near a vertex (within 1e-9 of the segment's length), it ends at
+ * the vertex. If a segment meets the boundary and at most 1e-9 of its length is left, it counts as
+ * complete. The path joins all segments. If a segment ends early (`out->end`), the following ones
+ * are not traced. If there are no segments, the result is the start. Options and errors are those
+ * of gd_trace_follow. */
 GD_MUST_USE enum gd_status gd_vector_exp(const struct gd_mesh *mesh,
                                          const struct gd_exp_request *request,
                                          const struct gd_control *control, struct gd_trace *out,
                                          struct gd_detail *detail);
 
-/* Transports `count` vectors in place, from the first point of a shortest path to its last. The
- * signed angle between vector and path is kept, also at bends. At the boundary a transported vector
- * may lead off the surface; its angle is then outside the surface's range, and the vector lies in
- * the plane of the nearest face. Errors: those of gd_vector_log. O(points and vectors). */
+/* Transports `count` vectors from the first point of a shortest path to its last point, and
+ * overwrites them with the results. The signed angle between vector and path does not change, not
+ * even at bends. At the boundary a transported vector may lead off the surface; its angle is then
+ * outside the surface's range, and the vector lies in the plane of the nearest face. Errors: those
+ * of gd_vector_log. O(points and vectors). */
 GD_MUST_USE enum gd_status gd_vector_transport(const struct gd_mesh *mesh,
                                                const struct gd_path *path,
                                                struct gd_vector *vectors, uint32_t count,
@@ -79,13 +82,14 @@ struct gd_vector gd_vector_combine(const struct gd_mesh *mesh, const struct gd_p
                                    const struct gd_vector *vectors, const double *factors,
                                    uint32_t count);
 
-/* Computes q (-) p for all vertices q, from the complete field of p (one seed, no offset). Writes
- * for each vertex index the angle at p of the shortest path to the vertex, and the distance; both
- * arrays have index_count entries. NAN, INFINITY: no path. NAN, 0: the vertex is p. NAN, NAN: an
- * unreferenced vertex. If several shortest paths lead to a vertex, the result belongs to one of
- * them, not always that of gd_field_path. The function follows a path only to the first face with a
- * known direction, so the cost is about O(n log n) in all. Errors: GD_INVALID_ARGUMENT (another
- * kind of field), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. */
+/* Computes q (-) p for all vertices q, from the complete field of p (one seed, no offset). For each
+ * vertex index, writes the angle at p of the shortest path to the vertex, and the distance. Both
+ * arrays have index_count entries. If there is no path, they are NAN and INFINITY. For p itself,
+ * they are NAN and 0. For an unreferenced vertex, both are NAN. If several shortest paths lead to a
+ * vertex, the result belongs to one of them, which may differ from the path of gd_field_path. The
+ * function follows a path only to the first face with a known direction, so the cost is about O(n
+ * log n) in all. Errors: GD_INVALID_ARGUMENT (another kind of field), GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. */
 GD_MUST_USE enum gd_status gd_vector_log_all(const struct gd_field *field,
                                              const struct gd_control *control, double *angles,
                                              double *lengths, struct gd_detail *detail);

@@ -1,5 +1,5 @@
-/* Voronoi diagram of a field: the nearest member for each point of the surface (distances include
- * offsets), and the bisectors between members.
+/* Voronoi diagram of a field: the nearest member for each point of the surface, and the bisectors
+ * between members. Distances include offsets.
  *
  *     struct gd_voronoi voronoi;
  *     if (gd_voronoi_trace(field, NULL, 1e-3, NULL, &voronoi) == GD_OK) {
@@ -13,14 +13,15 @@
  * number. Otherwise seed s belongs to `member_of_seed[s]`; some numbers may be unused. In a face
  * the distance is the minimum of the distances from several unfolded sources. Therefore a bisector
  * of two members is a chain of straight pieces, hyperbolas (between two points) and parabolas
- * (between a point and a segment). Seeds of one member have no bisector. Bisectors are not sampled:
- * on crossed edges and where three cells meet, the distances are equal up to rounding.
+ * (between a point and a segment). Seeds of one member have no bisector. Bisectors are not sampled.
+ * On the edges that they cross and where three cells meet, the distances from the members are equal
+ * up to rounding.
  *
- * Ties: members may be equally near in a region with area (behind a saddle or a boundary corner
- * that is equally far from both, behind a common point, or because the members coincide). Then one
- * member, chosen deterministically, owns the region. A member that is nowhere strictly nearest has
- * no label and no bisector. Along the border of such a region a bisector may oscillate by 1e-6 of
- * the field's greatest distance. */
+ * Ties: members may be equally near in a whole region. This happens behind a saddle or a boundary
+ * corner that is equally far from both members, behind a common point, or if the members coincide.
+ * One of the members then owns the region; this selection is deterministic. If a member is nowhere
+ * strictly nearest, it has no label and no bisector. Along the border of such a region a bisector
+ * may oscillate by 1e-6 of the field's greatest distance. */
 #ifndef GD_VORONOI_H
 #define GD_VORONOI_H
 
@@ -43,19 +44,19 @@ struct gd_bisector {
 /* Owns all arrays. */
 struct gd_voronoi {
     uint32_t bisector_count;
-    struct gd_bisector *bisectors; /* ordered by members */
+    struct gd_bisector *bisectors; /* ordered by their members */
     struct gd_point *points;
     size_t bytes; /* bytes of these arrays */
 };
 
-/* Writes the nearest member of every vertex index of the input to `out`, as gd_field_nearest; `out`
- * has index_count entries. UINT32_MAX means that a vertex that is not reached, is beyond a partial
- * field's reach, or is unreferenced. `member_of_seed` is a number for each seed, borrowed, or NULL.
- * If seeds of several members lie at the same point, the point belongs to the member with the least
- * offset. In a tie it belongs to the member with the most segments at the point, and in a further
- * tie to the first of these members. Errors, with `out` untouched: GD_INVALID_ARGUMENT (a member's
- * number), GD_NO_MEMORY, GD_INTERNAL (the field's predecessors lead to no seed). O(vertices + s log
- * s) for s seeds. Thread-safe. */
+/* Writes the nearest member of every vertex index of the input, as gd_field_nearest, to `out`,
+ * which has index_count entries. It is UINT32_MAX for a vertex that has no path from a seed, is
+ * beyond the reach of a partial field, or is unreferenced. `member_of_seed` has the member of each
+ * seed; it is borrowed and may be NULL. If seeds of several members lie at the same point, the
+ * point belongs to the member with the smallest offset. In a tie, it belongs to the member that has
+ * most segments at the point, and in a further tie to the first of these members. Errors, with
+ * `out` untouched: GD_INVALID_ARGUMENT (a member's number), GD_NO_MEMORY, GD_INTERNAL (the field's
+ * predecessors lead to no seed). O(vertices + s log s) for s seeds. Thread-safe. */
 GD_MUST_USE enum gd_status gd_voronoi_labels(const struct gd_field *field,
                                              const uint32_t *member_of_seed, uint32_t *out);
 

@@ -1,9 +1,9 @@
-/* Workspace: memory that consecutive long calls reuse. It saves allocation, clearing and page
- * faults.
+/* Workspace: memory that consecutive long calls reuse. It saves the time to allocate and clear
+ * memory, and page faults.
  *
- * Without a workspace each call allocates and frees its memory. With a workspace (struct
- * gd_control) the cost of a small query does not grow with the mesh. Only one call at a time may
- * use a workspace: create one for each worker thread. */
+ * Without a workspace, each call allocates and frees its memory. With a workspace (in struct
+ * gd_control), the cost of a small query does not grow with the size of the mesh. Only one call at
+ * a time may use a workspace, so create one for each worker thread. */
 #ifndef GD_WORKSPACE_H
 #define GD_WORKSPACE_H
 
@@ -23,7 +23,7 @@ void gd_workspace_destroy(struct gd_workspace *workspace); /* NULL is allowed */
 /* Returns the number of bytes that the workspace holds between calls. */
 size_t gd_workspace_bytes(const struct gd_workspace *workspace);
 
-/* Frees the workspace's memory; the workspace stays usable. */
+/* Frees the workspace's memory. The workspace can still be used. */
 void gd_workspace_trim(struct gd_workspace *workspace);
 
 /* Sets how many bytes of the memory of released fields the process keeps for later fields;
@@ -31,8 +31,8 @@ void gd_workspace_trim(struct gd_workspace *workspace);
 void gd_spare_memory(size_t bytes);
 
 /* Makes the system provide memory for a later field of the size of the last one, within the limit
- * of gd_spare_memory. Returns false if there is enough already; then nothing is done. Call it in
- * idle time: afterwards, a field that the caller keeps is computed without most of its page faults.
+ * of gd_spare_memory. Returns false, and does nothing, if there is already enough memory. Call it
+ * when the process is idle: a later field that the caller keeps then causes far fewer page faults.
  * Takes about as long as clearing the memory. Thread-safe. */
 bool gd_spare_prepare(void);
 
