@@ -261,7 +261,7 @@ uint32_t gd__nodes_walk(const struct gd__nodes *nodes, uint32_t face, struct gd_
 {
     const uint32_t *side = nodes->mesh->face_side[face];
     if (walk->stage < 3) return nodes->mesh->origin[side[walk->stage++]];
-    /* 0: the list of the next side or face was not begun yet */
+    /* `next` is 0 at first; 0 is not the number of a new node */
     while (walk->next == 0 || walk->next == GD_NONE) {
         if (walk->stage == 7) return GD_NONE;
         uint32_t list = walk->stage++ - 3;
