@@ -61,7 +61,7 @@ static double farthest_distance(const struct farthest *farthest)
     return sqrt(farthest->largest) * farthest->mesh->unit;
 }
 
-/* Returns the largest distance of the vertices of `from` from `to`, or `largest` if that is
+/* Returns the largest distance from `to` among the vertices of `from`, or `largest` if that is
  * larger. */
 static double measure_vertices(const struct gd_mesh *from, const struct gd_mesh *to, double largest,
                                struct gd__pace *pace)
@@ -73,8 +73,8 @@ static double measure_vertices(const struct gd_mesh *from, const struct gd_mesh 
     return farthest_distance(&farthest);
 }
 
-/* Returns the largest distance of the middles of faces and edges of `from` from `to`, or `largest`
- * if that is larger. */
+/* Returns the largest distance from `to` among the middles of faces and edges of `from`, or
+ * `largest` if that is larger. */
 static double measure_middles(const struct gd_mesh *from, const struct gd_mesh *to, double largest,
                               struct gd__pace *pace)
 {

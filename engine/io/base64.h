@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Returns an upper bound on the bytes that the characters decode to. */
+/* Returns an upper bound on the number of bytes that result from decoding the characters. */
 static inline size_t gd__base64_bytes(size_t characters)
 {
     return characters / 4 * 3 + 3;

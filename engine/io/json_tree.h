@@ -9,7 +9,7 @@
 #include "gd/control.h"
 #include "io/scan.h"
 
-#define GD__JSON_DEPTH   64   /* limit on the nesting of containers */
+#define GD__JSON_DEPTH   64   /* largest depth of nested containers */
 #define GD__JSON_MEMBERS 4096 /* gd__json_member searches at most this many members of an object */
 
 struct gd__json_value {

@@ -41,8 +41,7 @@ bool gd__obj_recognise(struct gd__scan scan)
     return is_obj;
 }
 
-/* Reads a vertex. Whatever follows its coordinates (a weight, a colour) is skipped with the
- * line. */
+/* Reads a vertex. Text after its coordinates (a weight, a colour) is skipped with the line. */
 static enum gd_status read_vertex(struct gd__scan *scan, struct gd__builder *builder)
 {
     const char *place = scan->at;

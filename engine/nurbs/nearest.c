@@ -37,7 +37,7 @@ static bool nurbs_nearest_is_held(const struct gd_axis *axis, double t, double g
 }
 
 /* Computes Newton's step in the free coordinates, or the step of steepest descent if the Hessian is
- * not positive. */
+ * not positive definite. */
 static void nurbs_nearest_step_of(const struct target *t, const bool held[2], double step[2])
 {
     const double *h = t->hessian, *g = t->gradient;

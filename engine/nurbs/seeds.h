@@ -21,7 +21,7 @@ struct gd__path_seed {
 
 struct gd__path_seeds {
     uint32_t count, capacity;
-    struct gd__path_seed *seed; /* ascending by length */
+    struct gd__path_seed *seed; /* sorted by length, the shortest first */
 };
 
 void gd__path_seeds_free(struct gd__path_seeds *seeds);

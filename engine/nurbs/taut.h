@@ -31,7 +31,7 @@ struct gd__gap {
 
 struct gd__taut {
     const struct gd__task *task;
-    const struct gd_domain_curve *const *ends; /* 2 */
+    const struct gd_domain_curve *const *ends; /* the two curves at the path's ends */
     double s[2];                               /* parameters of the path's ends on the curves */
     struct gd__contacts contacts;
     /* there are contacts.count + 1 gaps; gap i leads to contact i */

@@ -1,4 +1,4 @@
-/* Landmarks: passes their distances to the guide of a search. */
+/* Landmarks: passes the distances of landmarks to the guide of a search. */
 #ifndef GD_QUERY_LANDMARKS_H
 #define GD_QUERY_LANDMARKS_H
 

@@ -1,5 +1,5 @@
-/* Traces on a limit grid: crosses triangles as a surface ray does (transport/surface_ray.h).
- * Computes the record (struct gd_side) of each triangle from its corners. At a vertex, lists the
+/* Traces on a limit grid: crosses triangles as a surface ray does (transport/surface_ray.h), but
+ * computes the record (struct gd_side) of each triangle from its corners. At a vertex, lists the
  * triangles around the vertex and continues the line by the rules of transport/straight.c. */
 #include <math.h>
 #include <stdlib.h>

@@ -2,8 +2,9 @@
  * code (refinement, neighbourhoods, descent, grids, tracing) is common to both.
  *
  * A face has its own coordinates (s,t). Their domain is the square [0,1]^2 or the triangle s, t >=
- * 0, s + t <= 1. `children` describes where a face's children lie: (s,t) of a child is (origin + s
- * * axis_s + t * axis_t) / 2 in the parent's coordinates. The determinant of the axes is 1. */
+ * 0, s + t <= 1. `children` describes where a face's children lie: the point (s,t) of a child
+ * is (origin + s axis_s + t axis_t) / 2 in the parent's coordinates. The determinant of the axes is
+ * 1. */
 #ifndef GD_SUBDIV_SCHEME_H
 #define GD_SUBDIV_SCHEME_H
 

@@ -85,8 +85,8 @@ static uint32_t inner_vertex(const struct gd__tiling *tiling, uint32_t face, uin
 }
 
 /* Fills the strip between a side and the row of inner vertices next to it. Each triangle advances
- * by one vertex, either on the side or on the row. The strip advances to whichever next vertex is
- * reached first along the side. */
+ * by one vertex, either on the side or on the row: to the next vertex that comes first along the
+ * side. */
 static uint32_t *tile_strip(const struct gd__tiling *tiling, uint32_t face, uint32_t k,
                             uint32_t *corners)
 {

@@ -180,7 +180,7 @@ static enum gd_status prune_windows(struct gd__wavefront *front, const struct gd
                                     uint32_t *count)
 {
     double d0 = at->d0, d1 = at->d1;
-    /* windows beyond the bound are not needed either */
+    /* windows whose distances exceed the bound are not needed either */
     if (front->guide) {
         d0 = fmin(d0, front->bound - at->l0);
         d1 = fmin(d1, front->bound - at->l1);

@@ -6,7 +6,7 @@
  * point where segments of a curve end. It emits only into directions at an angle of 90 degrees or
  * more to each of these segments. In other directions, a point of a segment is nearer. */
 
-#define ARRAYS       6 /* arrays of struct gd__windows */
+#define ARRAYS       6 /* number of arrays in struct gd__windows */
 #define BLOCKS_AHEAD 2
 #define EDGES_AHEAD  12 /* number of seeds ahead, see prefetch_seeds */
 #define FACES_AHEAD  6

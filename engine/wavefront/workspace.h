@@ -16,8 +16,9 @@
 struct gd_workspace {
     uint32_t edges, vertices; /* capacity of the arrays */
 
-    /* Clean values of the arrays: empty lists; GD__FAR; 0; GD_NONE. A propagation may take
-     * distance, predecessor and newest, all three together. They are NULL then. */
+    /* The clean values are: an empty list for `lists`; GD__FAR for `emitted` and `distance`; 0 for
+     * `valid_from`; GD_NONE for `waiting`, `newest` and the members of a predecessor. A propagation
+     * may take distance, predecessor and newest, all three together. They are NULL then. */
     struct gd__list *lists; /* per side */
     double *emitted;        /* for each vertex, the distance with which it last emitted */
     /* for each vertex, the offset in `wedges` at which the chunks with its present distance begin,

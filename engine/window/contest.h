@@ -5,7 +5,8 @@
 
 #include "window/window.h"
 
-/* The overlap [lo, hi] cut into pieces. The winner alternates from piece to piece. */
+/* The result of a contest. The overlap [lo, hi] is cut into pieces, and the winner alternates from
+ * piece to piece. */
 struct gd__contest_result {
     bool challenger_first;
     int switches; /* number of changes of the winner: 0, 1 or 2 (Property 6) */

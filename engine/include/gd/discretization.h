@@ -4,7 +4,7 @@
  *     struct gd_discretization fine;
  *     const struct gd_discretize_options options = {.level = 5};
  *     if (gd_discretize(surface, &options, NULL, &fine, NULL) == GD_OK) {
- *         ...gd_mesh_create(&fine.polygons, ...)...
+ *         ...gd_mesh_build(&fine.polygons, ...)...
  *         gd_discretization_free(&fine);
  *     } */
 #ifndef GD_DISCRETIZATION_H

@@ -19,9 +19,9 @@ struct gd_mean_request {
     const struct gd_point *points; /* borrowed; at least one, all on one component */
     const double *weights;         /* borrowed; >= 0, not all 0; NULL means equal weights */
     uint32_t count;
-    /* Computes one step instead of the mean ("Geodesic Hermite splines on triangular meshes",
-       Figure 7): sums the weighted vectors from the first point to the others. The result depends
-       on the choice of the first point. */
+    /* If true, only one step is computed instead of the mean ("Geodesic Hermite splines on
+       triangular meshes", Figure 7). The step is the sum of the weighted vectors from the first
+       point to the others. The result depends on the choice of the first point. */
     bool one_step;
     /* landmarks of the same mesh, which make searches faster; may be NULL */
     const struct gd_landmarks *landmarks;

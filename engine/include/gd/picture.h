@@ -22,8 +22,8 @@
 
 GD_EXTERN_C_BEGIN
 
-#define GD_PICTURE_LEAST    16   /* pixels of a side */
-#define GD_PICTURE_MOST     4096 /* pixels of a side */
+#define GD_PICTURE_LEAST    16   /* smallest number of pixels of a side */
+#define GD_PICTURE_MOST     4096 /* largest number of pixels of a side */
 #define GD_PICTURE_PIXELS   ((uint32_t)3840 * 2160)
 #define GD_PICTURE_ISOLINES 100  /* largest number of isolines */
 #define GD_PICTURE_LAYERS   512  /* largest number of layers */
@@ -96,7 +96,7 @@ struct gd_picture {
     const struct gd_field *field; /* NULL means none */
     /* drawn like a layer, before `layers`; NULL means none */
     const struct gd_path *path;
-    const struct gd_picture_layer *layers; /* drawn in this order */
+    const struct gd_picture_layer *layers; /* drawn in the order of the array */
     uint32_t layer_count;
     uint32_t width, height; /* pixels; 0 means 800 x 600 */
     enum gd_view view;

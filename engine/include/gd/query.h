@@ -1,7 +1,7 @@
 /* Query: distance and path of one pair of points.
  *
- * Results are checked: if a path's own length differs from the distance by more than 1e-9 relative,
- * the status is GD_INTERNAL. */
+ * Results are checked: if the relative difference between a path's own length and the distance is
+ * more than 1e-9, the status is GD_INTERNAL. */
 #ifndef GD_QUERY_H
 #define GD_QUERY_H
 

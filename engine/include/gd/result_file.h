@@ -53,7 +53,7 @@ enum gd_result_format {
 
 #define GD_RESULT_SECONDS 10 /* time in which the object moves from the first to the last pose */
 
-/* Where an object is, and how it is turned, when it moves along a line. */
+/* The position and the orientation of an object that moves along a line. */
 struct gd_pose {
     double along; /* length of the line up to this pose */
     struct gd_vec3 position;
