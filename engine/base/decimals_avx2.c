@@ -18,7 +18,7 @@
 #define HALF          UINT64_C(0xffffffff) /* the lower half of a lane */
 /* fractions that differ by at most this much are not compared */
 #define MARGIN 8
-/* the same for tenths, whose error is ten times as large */
+/* the margin for tenths, whose error is ten times as large */
 #define TENTHS_MARGIN 64
 
 /* Four integers. In a mask, each lane has all bits set or none. */

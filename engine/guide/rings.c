@@ -66,8 +66,8 @@ static float by_ring(const struct gd__rings *rings, uint32_t number, struct gd__
            rings->slack;
 }
 
-/* Returns the ring that gives the best bound for a vertex at that number of hops. A ring that is
- * too close to the vertex gives a bad bound. */
+/* Returns the number of the ring that gives the best bound for a vertex which is `hops` edges away
+ * from the target. A ring that is too close to the vertex gives a bad bound. */
 static uint32_t ring_for(uint32_t hops)
 {
     return hops < LEAST ? 0 : (hops - LEAST) / SPACING;

@@ -42,7 +42,7 @@ struct gd__3mf_object {
     bool is_left_out;
     uint32_t first_vertex, vertex_count;
     uint32_t first_triangle, triangle_count;
-    uint32_t first_use, use_count; /* its components */
+    uint32_t first_use, use_count; /* the components of the object */
     /* numbers of vertices and triangles of the object and all its components, saturated at
        UINT32_MAX */
     uint64_t vertices, triangles;

@@ -12,7 +12,7 @@
 #include "io/weld.h"
 
 #define HEADER_SIZE   80
-#define PREAMBLE_SIZE 84 /* the header and the count */
+#define PREAMBLE_SIZE 84 /* bytes of the header and of the number of facets */
 #define NORMAL_SIZE   12
 #define TRIANGLE_SIZE 50
 

@@ -96,7 +96,7 @@ struct gd__chain {
     uint32_t degree, piece_count;
     struct gd__piece *pieces;
     struct gd__joint *joints; /* piece_count + 1 */
-    struct gd__pace *pace;    /* borrowed; loops over spans count their steps with it */
+    struct gd__pace *pace;    /* borrowed; counts the steps of loops over spans */
 };
 
 static inline uint32_t gd__piece_points(const struct gd__chain *chain,

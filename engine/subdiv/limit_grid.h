@@ -11,7 +11,7 @@
 #include "subdiv/surface.h"
 
 struct gd_limit_grid {
-    struct gd_subdivision *surface; /* a reference */
+    struct gd_subdivision *surface; /* one reference is owned */
     uint32_t level, cells;
     uint32_t stride; /* number of positions of a face: (cells + 1)^2 */
     /* place (i, j) of a face is at index face * stride + i (cells + 1) + j */

@@ -11,7 +11,7 @@
 enum { USUAL_TRIANGLES = 1 << 17, BYTES_PER_VERTEX = 120 };
 
 struct gd_limit_mesh {
-    struct gd_subdivision *surface; /* a reference */
+    struct gd_subdivision *surface; /* one reference is owned */
     struct gd_mesh *mesh;
     struct gd_vec3 *normals;
     /* level given by the options, and number of cells along a side of a base face */

@@ -68,7 +68,7 @@ static void flow_out(struct gd__tracer *tracer, const struct gd__flow *flow)
     tracer->ds = move[0] / length, tracer->dt = move[1] / length;
 }
 
-/* Ends the path where derivatives are parallel, so that "straight" is undefined. */
+/* Ends the path at a place where the derivatives are parallel. There, "straight" is undefined. */
 static enum gd_status end_here(struct gd__tracer *tracer)
 {
     tracer->ended = true;

@@ -91,7 +91,8 @@ struct gd_picture_layer {
 
 /* All members except the mesh may be zero, which means the defaults. */
 struct gd_picture {
-    /* Borrowed, as are `field` and `path`, which belong to this mesh, and all arrays. */
+    /* The mesh, the field, the path and all arrays are borrowed. The field and the path belong to
+       this mesh. */
     const struct gd_mesh *mesh;
     const struct gd_field *field; /* NULL means none */
     /* drawn like a layer, before `layers`; NULL means none */

@@ -16,10 +16,10 @@
  * on the rule:
  *     bisect    leaves half of the total angle on each side
  *     normal    continues in the plane that contains the arriving line and the vertex' normal: for
- *               meshes that approximate a smooth surface If a line passes a vertex at a distance
- * within rounding errors, it goes through the vertex. Otherwise rounding errors would determine on
- * which side it passes. The tolerance is 1e-12 of the crossed edge or of the distance from the
- * start, whichever is shorter, plus 4e-15 of the edge.
+ *               meshes that approximate a smooth surface
+ * If a line passes a vertex at a distance within rounding errors, it goes through the vertex.
+ * Otherwise rounding errors would determine on which side it passes. The tolerance is 1e-12 of the
+ * crossed edge or of the distance from the start, whichever is shorter, plus 4e-15 of the edge.
  *
  * At the boundary a line stops or slides. A line that slides turns into the boundary edge with
  * which it makes the smaller angle. It follows the boundary as long as its angle with the next edge
