@@ -27,6 +27,7 @@ struct lines_query {
 struct tracer {
     const char *what, *noun, *advice; /* of problems */
     size_t bytes_an_edge;             /* for each edge of the mesh while lines are traced */
+    size_t bytes_a_wedge;             /* and for each wedge of the field */
     enum gd_status (*trace)(struct lines_query *own, const struct gd_field *field,
                             const uint32_t *members, const struct gd_control *control);
 };
@@ -65,9 +66,10 @@ static enum server_query_turn lines_trace(struct lines_query *own, const struct 
 {
     struct server_query *query = &own->query;
     const struct tracer *tracer = query->kind->own;
-    size_t edges = gd_mesh_summary(query->surface->mesh)->edges;
-    struct server_budgeted_call call =
-        server_query_begin_call(query, part, BYTES_A_TRACE + edges * tracer->bytes_an_edge);
+    size_t bytes = BYTES_A_TRACE +
+                   gd_mesh_summary(query->surface->mesh)->edges * tracer->bytes_an_edge +
+                   gd_field_statistics(field)->wedges * tracer->bytes_a_wedge;
+    struct server_budgeted_call call = server_query_begin_call(query, part, bytes);
     while (server_budgeted_call_next(&call)) {
         call.status = tracer->trace(own, field, members, &call.control);
         call.kept = own->found.bytes;
@@ -182,7 +184,9 @@ static enum gd_status cut_locus_trace(struct lines_query *own, const struct gd_f
 static const struct tracer cut_locus_tracer = {.what = "the cut locus",
                                                .noun = "lines",
                                                .advice = "a larger min_angle or tolerance",
-                                               .bytes_an_edge = 512,
+                                               /* about one ridge for each wedge */
+                                               .bytes_an_edge = 16,
+                                               .bytes_a_wedge = 160,
                                                .trace = cut_locus_trace};
 
 static enum server_query_turn cut_locus_answer(struct server_query *query,
