@@ -11,6 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "gd/executor.h"
 #include "gd/status.h"
 
 GD_EXTERN_C_BEGIN
@@ -24,6 +25,9 @@ struct gd_control {
     bool (*progress)(void *user, double fraction);
     void *user;
     struct gd_workspace *workspace; /* memory reused between calls, gd/workspace.h; may be NULL */
+    /* Threads for parallel functions: gd_mesh_build and functions that call it, and readers of OBJ
+       files. NULL means only the calling thread. */
+    const struct gd_executor *executor;
 };
 
 /* Returns the time of the monotonic clock in nanoseconds. Thread-safe. */
