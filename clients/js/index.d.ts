@@ -172,12 +172,12 @@ export class Surface<Queries = Record<string, { body: unknown; answer: unknown }
     options?: QueryOptions,
   ): Promise<Queries[Name] extends { answer: infer Answer } ? Answer : never>;
   /**
-   * Draws a figure of the surface as a PNG or SVG file. The options have the other members of the
-   * contract's request: { camera: { view: "top" } }.
+   * Draws a figure of the surface as a PNG, SVG or GLB file. The options have the other members of
+   * the contract's request: { camera: { view: "top" } }.
    */
   figure(
     layers: object[],
-    options?: QueryOptions & { form?: "png" | "svg"; [member: string]: unknown },
+    options?: QueryOptions & { form?: "png" | "svg" | "glb"; [member: string]: unknown },
   ): Promise<ArrayBuffer>;
 }
 

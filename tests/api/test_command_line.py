@@ -85,6 +85,8 @@ class CommandLine(TestCase):
                 self.geodesic("picture", "drawn", path, "--source", "v:0", "--from", "v:0", "--to", "v:2", "--via", "v:1", "--size", "90x60")
                 with open(path, "rb") as file:
                     self.assertTrue(file.read().startswith(begins))
+            for name, begins in (("a.png", b"\x89PNG"), ("a.svg", b"<svg "), ("a.glb", b"glTF")):
+                path = os.path.join(folder, name)
                 self.geodesic("figure", "drawn", path, '{"layers": [{"points": [{"vertex": 0}]}], "width": 90, "height": 60}')
                 with open(path, "rb") as file:
                     self.assertTrue(file.read().startswith(begins))

@@ -94,8 +94,8 @@ class Surface(Resource):
         return f"<{self.location}>"
 
     def figure(self, layers: Sequence[Mapping[str, Any]], form: str = "png", progress: Optional[Progress] = None, **scene: Any) -> bytes:
-        """Draws a figure of the surface with layers, as a PNG or SVG file. `layers` are those of
-        the contract; keywords are the other members of the request:
+        """Draws a figure of the surface with layers, as a PNG, SVG or GLB file. `layers` are those
+        of the contract; keywords are the other members of the request:
         figure([{"path": {"from": {"vertex": 0}, "to": {"vertex": 9}}}], camera={"view": "top"})"""
         return self.client.call("POST", f"{self.location}/picture", {"format": form}, {"layers": list(layers), **scene}, progress=progress).body
 
