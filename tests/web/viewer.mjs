@@ -13,6 +13,7 @@ export const OCTAHEDRON = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 
 const LEAST_RATE = 25; /* answers a second while a point is dragged */
 const LEAST_DENSE_RATE = 15; /* on 1.1 million faces */
 const DRAG = 3000; /* milliseconds */
+const BESIDE_OTHERS = 4; /* the rates are divided by this, unless the long form measures them */
 const LEAST_ANSWERS = 5; /* a drag on a busy machine goes on until it has this number of answers */
 const DENSE_LEAD = 12000; /* milliseconds of a drag in which landmarks and a field are built */
 const MOUSE = 8; /* milliseconds between two positions of the mouse */
@@ -106,7 +107,8 @@ async function processorSeconds(browser) {
 /** Moves the mouse in circles, starting at (x, y), for a while and until `isDone`. */
 async function circle(page, { x, y }, milliseconds, isDone = () => true) {
   const end = performance.now() + milliseconds;
-  for (let turn = 0; performance.now() < end || !isDone(); turn += 0.05) {
+  const isEnd = () => performance.now() > (isDone() ? end : end + PATIENCE);
+  for (let turn = 0; !isEnd(); turn += 0.05) {
     await page.mouse.move(x + RADIUS * (1 - Math.cos(turn)), y - RADIUS * Math.sin(turn));
     await sleep(MOUSE);
   }
@@ -115,8 +117,8 @@ async function circle(page, { x, y }, milliseconds, isDone = () => true) {
 /**
  * Drags the point of this name in circles for a while, and checks the number of answers a second.
  * If other programs use the machine, the processor time decides instead: the machine's processors
- * must suffice for that rate. The drag begins `lead` milliseconds before; `check` runs before it
- * ends.
+ * must suffice for that rate. `make test` runs beside other tests, and only expects a fraction. The
+ * drag begins `lead` milliseconds before; `check` runs before it ends.
  */
 export async function assertRate(browser, page, { name, pattern, least, lead = 0, check = () => {} }) {
   const handle = await page.getByRole("button", { name, exact: true }).boundingBox();
@@ -138,7 +140,8 @@ export async function assertRate(browser, page, { name, pattern, least, lead = 0
   const told = `${rate.toFixed(1)} answers a second, ${(1000 * cost).toFixed(0)} ms of processor time each with their pictures`;
   const { meshes, mode } = await read(page, "state");
   console.log(`# web: a point dragged on ${meshes}, ${mode}: ${told}`);
-  assert.ok(rate >= least || cost <= cpus().length / least, told);
+  const wanted = browser.settings.all ? least : least / BESIDE_OTHERS;
+  assert.ok(rate >= wanted || cost <= cpus().length / wanted, told);
 }
 
 const PATH = { name: "End", pattern: /\/path(\?|$)/ };
