@@ -35,7 +35,7 @@ PUBLIC = {
     "transport": ["trace", "vector", "mean", "spline", "frame", "shortening", "resampling", "offset", "flat_strip"],
     "subdiv": ["subdivision", "limit", "limit_place", "limit_path", "limit_mesh", "limit_grid", "limit_shortest", "discretization"],
     "loops": ["trim"],
-    "nurbs": ["parametric", "nurbs", "domain_curve", "tessellation", "geodesic_like"],
+    "nurbs": ["parametric", "nurbs", "domain_curve", "tessellation", "geodesic_like", "space_distance"],
     "umbrella": ["tools", "smooth"],
 }
 ROOM_OF_HEADER = {f"gd/{name}.h": f"engine/{room}" for room, names in PUBLIC.items() for name in names}

@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 
+#include "gd/space_distance.h"
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/geodesic_like.h"
@@ -125,6 +126,11 @@ static void digest_foot(struct digest *digest, const void *out)
     digest_bytes(digest, out, sizeof(struct gd_parametric_closest));
 }
 
+static void digest_space_foot(struct digest *digest, const void *out)
+{
+    digest_number(digest, ((const struct gd_space_closest *)out)->distance);
+}
+
 enum { SAMPLED = 9 };
 
 static void digest_places(struct digest *digest, const void *out)
@@ -141,6 +147,8 @@ static const struct answer a_domain_curve = {sizeof(struct gd_domain_curve *), d
 static const struct answer geodesics = {sizeof(struct gd_geodesics), digest_geodesics,
                                         discard_geodesics};
 static const struct answer a_foot = {sizeof(struct gd_parametric_closest), digest_foot, NULL};
+static const struct answer a_space_foot = {sizeof(struct gd_space_closest), digest_space_foot,
+                                           NULL};
 static const struct answer some_places = {SAMPLED * sizeof(double[2]), digest_places, NULL};
 
 /* --- calls ------------------------------------------------------------------------------------ */
@@ -289,6 +297,17 @@ static enum gd_status sample(void *out)
     return gd_geodesic_sample(tube, &found.items[0], SAMPLED, out, NULL);
 }
 
+static enum gd_status in_space(void *out)
+{
+    static const double knots[] = {0, 0, 0, 0.5, 1, 1, 1}, straight[] = {0, 0, 1, 1};
+    static const struct gd_vec3 bent[] = {{0, 0, 0}, {1, 2, 0}, {2, -2, 1}, {3, 0, 0}},
+                                line[] = {{0, 3, 3}, {3, 2, 2}};
+    return gd_space_distance(
+        &(struct gd_space_curve){.degree = 2, .count = 4, .knots = knots, .points = bent},
+        &(struct gd_space_curve){.degree = 1, .count = 2, .knots = straight, .points = line}, out,
+        NULL);
+}
+
 static enum gd_status nearest_trimmed(void *out)
 {
     return gd_parametric_nearest(plate, (struct gd_vec3){0.5, 0.5, 0.2}, NULL, out, NULL);
@@ -332,6 +351,7 @@ static const struct operation items[] = {
     {"tessellation of a trimmed surface", &a_tessellation, tessellate_trimmed, GD_OK, NULL},
     {"shortest path in a trimmed domain", &geodesics, solve_trimmed, GD_OK, NULL},
     {"places of a geodesic-like curve", &some_places, sample, GD_OK, NULL},
+    {"distance of curves in space", &a_space_foot, in_space, GD_OK, NULL},
 };
 
 const struct operations parametric_operations = {open_surfaces, items, COUNT(items)};

@@ -15,6 +15,7 @@
 #include "gd/limit_shortest.h"
 #include "gd/nurbs.h"
 #include "gd/parametric.h"
+#include "gd/space_distance.h"
 #include "gd/subdivision.h"
 #include "gd/tessellation.h"
 
