@@ -25,8 +25,8 @@ struct gd_control {
     bool (*progress)(void *user, double fraction);
     void *user;
     struct gd_workspace *workspace; /* memory reused between calls, gd/workspace.h; may be NULL */
-    /* Threads for parallel functions: gd_mesh_build and functions that call it, and readers of OBJ
-       files. NULL means only the calling thread. */
+    /* Threads for gd_read_polygons and gd_mesh_build, whose results do not depend on them. NULL
+       means only the calling thread. Other functions use the calling thread. */
     const struct gd_executor *executor;
 };
 
