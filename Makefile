@@ -12,11 +12,13 @@ OPT     ?= -O3
 DEBUG   ?= -g1 -gz
 WARN    := -Wall -Wextra -Wshadow -Wpointer-arith -Wvla
 CWARN   := $(WARN) -Wstrict-prototypes -Wmissing-prototypes
+# SAN: sanitizers or coverage. Test programs share such code in one library (tests/tests.mk).
+SANITIZING := $(if $(SAN),$(SAN) -fPIC -fvisibility=default)
 # The user may set CPPFLAGS, CFLAGS, CXXFLAGS and LDFLAGS. They come after the flags below.
 GD_CPPFLAGS := -Iengine/include -Iengine -I. -I$(BUILD) -D_GNU_SOURCE
 GD_CFLAGS   := -std=c17 $(OPT) $(DEBUG) -fno-math-errno -ffp-contract=off -fvisibility=hidden -pthread \
-               $(CWARN) $(SAN)
-GD_CXXFLAGS := -std=c++17 $(OPT) $(DEBUG) -fno-math-errno -ffp-contract=off -pthread $(WARN) $(SAN)
+               $(CWARN) $(SANITIZING)
+GD_CXXFLAGS := -std=c++17 $(OPT) $(DEBUG) -fno-math-errno -ffp-contract=off -pthread $(WARN) $(SANITIZING)
 GD_LDFLAGS  := -pthread $(DEBUG) $(SAN)
 
 objects = $(patsubst %,$(BUILD)/obj/%.o,$(1))

@@ -9,7 +9,7 @@ tell = $(if $(filter-out 0,$(V)),,@printf '  %-3s  %s\n' $(1) $(or $(2),$@);)
 compile_c   = $(CC) $(GD_CPPFLAGS) $(CPPFLAGS) $(GD_CFLAGS) $(FILE_FLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 compile_cxx = $(CXX) $(GD_CPPFLAGS) $(OPENMESH_CPPFLAGS) $(CPPFLAGS) $(GD_CXXFLAGS) $(FILE_FLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
 # $(call link,COMPILER) LIBRARIES: the recipe that links a program.
-link = $(call tell,LD)$(1) $(GD_LDFLAGS) $(LDFLAGS) -o $@ $(filter %.o %.a,$^)
+link = $(call tell,LD)$(1) $(GD_LDFLAGS) $(LDFLAGS) -o $@ $(filter %.o %.a %.so,$^)
 
 .PHONY: FORCE
 FORCE:

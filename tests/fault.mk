@@ -8,8 +8,10 @@ ASAN_PROGRAMS = $(patsubst %.c,$(ASAN_BUILD)/%,$(filter tests/unit/%,$(TEST_ENGI
 ##@ Sanitizers, fuzzing and faults
 
 # The tests under sanitizers and the fuzzers share one build by clang.
+# Without -shared-libasan clang adds its runtime to each program.
 SANITIZED    := BUILD=$(ASAN_BUILD) CC=clang CXX=clang++ OPT=-O1 \
-                SAN="-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all"
+                SAN="-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all" \
+                TEST_LDFLAGS="-shared-libasan -Wl,-rpath,$$(clang -print-runtime-dir)"
 asan-build:
 	@$(MAKE) --no-print-directory $(SANITIZED) test-build build $(ASAN_BUILD)/gd_alloc
 
@@ -40,12 +42,12 @@ FAULT_TESTS   = "$(BUILD)/gd_alloc --short" "tests/fault/alloc.py --short" tests
 
 # `make test` fuzzes each parser for 10 seconds, from a fixed seed. fuzz_surface, which checks
 # properties of distances, only replays its corpus.
-FUZZ_SHORT    = tests/fuzz/run.py --seconds 10 --seed 1 $(foreach target,$(filter-out surface,$(FUZZ_TARGETS)),$(ASAN_BUILD)/fuzz_$(target))
+FUZZ_SHORT    = tests/fuzz/run.py --seconds 10 --seed 1 $(filter-out %/fuzz_surface,$(FUZZ_PROGRAMS))
 FUZZ_REPLAY   = tests/fuzz/run.py --seconds 0 $(ASAN_BUILD)/fuzz_surface
-FUZZ_TARGETS := $(patsubst tests/fuzz/fuzz_%.c,%,$(FUZZERS))
+FUZZ_PROGRAMS = $(patsubst tests/fuzz/%.c,$(ASAN_BUILD)/%,$(FUZZERS))
 
 fuzz-build:
-	@$(MAKE) --no-print-directory $(SANITIZED) $(foreach target,$(FUZZ_TARGETS),$(ASAN_BUILD)/fuzz_$(target))
+	@$(MAKE) --no-print-directory $(SANITIZED) $(FUZZ_PROGRAMS)
 
 $(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/reader.c tests/fuzz/patched.c tests/fuzz/promise.c tests/fuzz/soup.c) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE) $(LINK)
 	$(call link,$(CXX)) -fsanitize=fuzzer $(ENGINE_LIBS) $(SERVER_LIBS)
@@ -69,7 +71,7 @@ torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc $(BUILD)/tests/unit/server/acc
 	    "damage is found by the scrub, never served | 0 served | tests/api/run.py test_scrub" \
 	    "the sandbox holds | no rights but those listed | tests/api/run.py test_sandbox" \
 	    "some 90 calls that reach beyond the daemon are refused in it | 0 succeed | $(BUILD)/tests/unit/server/access/test_sandbox" \
-	    "tests/fuzz/run.py --seconds 1000 $(foreach target,$(FUZZ_TARGETS),$(ASAN_BUILD)/fuzz_$(target))" \
+	    "tests/fuzz/run.py --seconds 1000 $(FUZZ_PROGRAMS)" \
 	    "no data race | 0 reports | $(SELF) --no-print-directory tsan" "$(SELF) --no-print-directory coverage" \
 	    tests/cluster/routing.py tests/cluster/shared.py tests/cluster/capacity.py \
 	    "the packages in a fresh Debian: installed, run, purged | nothing left | tests/package/run.py --build $(BUILD) --chroot" \
@@ -98,4 +100,4 @@ coverage: ## measure line and branch coverage of engine, proto and server by all
 	@tests/fault/coverage.py --build $(COVERAGE_BUILD)
 
 fuzz: fuzz-build ## fuzz each target for FUZZ_SECONDS
-	@tests/fuzz/run.py --seconds $(FUZZ_SECONDS) $(foreach target,$(FUZZ_TARGETS),$(ASAN_BUILD)/fuzz_$(target))
+	@tests/fuzz/run.py --seconds $(FUZZ_SECONDS) $(FUZZ_PROGRAMS)

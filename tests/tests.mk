@@ -16,15 +16,29 @@ TEST_SERVER := $(wildcard tests/unit/proto/test_*.c tests/unit/server/test_*.c \
 program = $(patsubst %.c,$(BUILD)/%,$(1))
 TEST_PROGRAMS = $(call program,$(TEST_ENGINE) $(TEST_SERVER))
 
+# The libraries that test programs link. With SAN the programs share one library, because copies of
+# the sanitized code in all programs take 2 GB.
+TESTED_ENGINE := $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE)
+TESTED_SERVER := $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
+TESTED        := $(BUILD)/libgd_tested.so
+$(TESTED): $(TESTED_SERVER) $(LINK)
+	$(call tell,LD)$(CXX) -shared $(GD_LDFLAGS) $(LDFLAGS) -Wl,-soname,$(@F) -o $@ \
+	    -Wl,--whole-archive $(filter %.a,$^) -Wl,--no-whole-archive $(ENGINE_LIBS) $(SERVER_LIBS) -lcmocka
+ifneq ($(SAN),)
+TESTED_ENGINE := $(TESTED)
+TESTED_SERVER := $(TESTED)
+$(TEST_PROGRAMS): private GD_LDFLAGS += -Wl,-rpath,$(abspath $(BUILD)) $(TEST_LDFLAGS)
+endif
+
 $(call objects,$(TEST_ENGINE) $(TEST_SERVER)): | $(BUILD)/stamps/test-headers
-$(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
+$(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(TESTED_ENGINE) $(LINK)
 	@mkdir -p $(@D)
 	$(call link,$(CXX)) $(ENGINE_LIBS) $(TEST_LIBS) -lcmocka
 
 # The checks of a C++ source are written in C++. make puts this object behind the libraries on the
 # command line of the linker, so the libraries are repeated behind it.
 $(BUILD)/tests/unit/edit/test_edit_mesh: $(BUILD)/obj/tests/unit/edit/edit_mesh_laws.cc.o
-$(BUILD)/tests/unit/edit/test_edit_mesh: TEST_LIBS = $(LIB_ENGINE) $(ENGINE_LIBS)
+$(BUILD)/tests/unit/edit/test_edit_mesh: TEST_LIBS = $(TESTED_ENGINE) $(ENGINE_LIBS)
 
 # Compares limit surfaces with those of OpenSubdiv. Without libosd-dev, the tests are skipped.
 # -Wno-shadow: in C, a function and a struct may have the same name, which g++ reports.
@@ -32,7 +46,7 @@ $(BUILD)/obj/tests/oracle/opensubdiv.cc.o: FILE_FLAGS += -Wno-shadow
 $(BUILD)/tests/oracle/test_opensubdiv: $(BUILD)/obj/tests/oracle/opensubdiv.cc.o
 $(BUILD)/tests/oracle/test_opensubdiv: TEST_LIBS = $(shell $(CXX) -include opensubdiv/version.h -x c++ -E /dev/null >/dev/null 2>&1 && echo -losdCPU)
 
-$(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE) $(LINK)
+$(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(TESTED_SERVER) $(LINK)
 	@mkdir -p $(@D)
 	$(call link,$(CXX)) $(ENGINE_LIBS) $(SERVER_LIBS) -lcmocka
 
@@ -41,7 +55,7 @@ $(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(
 .PHONY: announce-test
 announce-test:
 	@echo "make test: installs what is missing (compilers, PostgreSQL, HAProxy and Chromium among it; tests start these themselves, none stays as"
-	@echo "a service), builds everything three times (plain, sanitizers, fuzzing) and runs all tests: 20 to 35 minutes on two cores, 4 GB of disk."
+	@echo "a service), builds everything twice (plain, and with sanitizers) and runs all tests: 20 to 35 minutes on two cores, 3.2 GB of disk."
 
 # The tests over HTTP and in the browser are split into several programs, because tests/run.py runs
 # two programs at once and limits the time of each. test_contract_problems mostly waits.
