@@ -66,10 +66,10 @@ API_SECOND  := $(filter-out $(API_FIRST),$(API_MODULES))
 WEB_FIRST  := types,modules:,viewer:,surfaces:,uploads:,answers:,history:
 WEB_SECOND := layout:,picture:,derive:,embed:,modes:,docs:,figures:
 
-test: announce-test setup-test nurbs-peers contract-linter contract-generators web-peers ## set up and run all tests
-	@$(MAKE) --no-print-directory -j2 build test-build libraries $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
-	@$(MAKE) --no-print-directory -j2 asan-build
-	@$(MAKE) --no-print-directory -j2 fuzz-build
+test: announce-test setup-test ## set up and run all tests
+	@$(MAKE) --no-print-directory -j3 nurbs-peers contract-linter contract-generators web-peers build test-build libraries \
+	    $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
+	@$(MAKE) --no-print-directory -j2 $(SANITIZED) $(ASAN_PROGRAMS) $(FUZZ_PROGRAMS)
 	@$(MAKE) --no-print-directory check-layers
 	@tests/run.py $(TEST_PROGRAMS) "tests/api/run.py test_contract_problems" "$(FUZZ_SHORT)" $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
 	    "tests/bench/table.py --quick --build $(BUILD)" "tests/bench/peers.py --quick --build $(BUILD)" "tests/bench/plots.py --quick --build $(BUILD)" \
