@@ -8,10 +8,11 @@ ASAN_PROGRAMS = $(patsubst %.c,$(ASAN_BUILD)/%,$(filter tests/unit/%,$(TEST_ENGI
 ##@ Sanitizers, fuzzing and faults
 
 # The tests under sanitizers and the fuzzers share one build by clang.
-# Without -shared-libasan clang adds its runtime to each program.
+# Without -shared-libasan clang adds its runtime to each program. The folder that clang 19 prints as
+# that of its runtime does not exist in Debian 13.
 SANITIZED    := BUILD=$(ASAN_BUILD) CC=clang CXX=clang++ OPT=-O1 \
                 SAN="-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all" \
-                TEST_LDFLAGS="-shared-libasan -Wl,-rpath,$$(clang -print-runtime-dir)"
+                TEST_LDFLAGS="-shared-libasan -Wl,-rpath,$$(dirname $$(clang -print-file-name=libclang_rt.asan-$$(uname -m).so))"
 asan-build:
 	@$(MAKE) --no-print-directory $(SANITIZED) test-build build $(ASAN_BUILD)/gd_alloc
 
