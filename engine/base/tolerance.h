@@ -187,7 +187,7 @@
 
 /* If an end of a ridge is this near to an edge, a vertex or another end, it is moved there.
  * Relative to the size of the face. */
-#define GD_TOL_SNAP 1e-10
+#define GD_TOL_RIDGE_END 1e-10
 
 /* A span of a bisector's angles is empty if it is at most this wide. This is the rounding error of
  * an angle. */

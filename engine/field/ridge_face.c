@@ -174,7 +174,7 @@ static struct gd__local refine_end(const struct work *work, const struct pair *p
 static struct gd__ridge_end locate_end(const struct work *work, struct gd__local at, double beside)
 {
     const struct gd__face_frame *frame = &work->sources->frame;
-    double snap = 2 * beside + GD_TOL_SNAP * frame->size;
+    double snap = 2 * beside + GD_TOL_RIDGE_END * frame->size;
     struct gd__ridge_end end = {
         .kind = GD_POINT_FACE, .element = work->sources->face, .at = at, .near = snap};
     if (!put_on_border(work, at, snap, &end))

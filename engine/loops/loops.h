@@ -22,7 +22,6 @@
 
 struct gd__loop {
     uint32_t first_span, span_count;
-    uint32_t first_sample, sample_count;
 };
 
 /* A polyline along all loops: loop i has the places first[i] to first[i + 1] - 1. Each place is

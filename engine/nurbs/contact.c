@@ -256,9 +256,9 @@ static enum gd_status add_contact(struct division *d, const struct gd__contact *
     return status;
 }
 
-/* Adds the contacts of the part of a loop that the polyline follows from place i to place k. Each
+/* Adds the contacts of the part of a loop that the polyline follows from place i, `run` long. Each
  * span of the loop has a contact of its own. */
-static enum gd_status add_arc(struct division *d, uint32_t i, uint32_t k, double run)
+static enum gd_status add_arc(struct division *d, uint32_t i, double run)
 {
     const struct gd__loops *loops = d->surface->loops;
     struct gd__loop_place place = d->places[i];
@@ -285,7 +285,6 @@ static enum gd_status add_arc(struct division *d, uint32_t i, uint32_t k, double
         s = end;
         if ((to - s) * direction <= GD_TOL_LOOP_PLACE) break;
     }
-    (void)k;
     return status;
 }
 
@@ -326,7 +325,7 @@ static enum gd_status divide(struct division *d, struct gd__pace *pace)
         double run = 0;
         uint32_t k = d->places[i].distance < INFINITY ? follow_loop(d, i, &run) : i;
         if (k > i && run != 0) {
-            status = add_arc(d, i, k, run);
+            status = add_arc(d, i, run);
             i = k;
         } else if (is_inner && d->places[i].distance < INFINITY) {
             struct gd__contact touch = gd__contact_touch(
