@@ -183,12 +183,14 @@ static void refused_helpers_leave_all_tasks_to_the_thread(void **state)
 
 /* Runs of two tasks. Each task computes its sum from the other's sum of the preceding run, so a
  * skipped, repeated or misplaced task changes the sums. */
-enum { RUNS = 500 };
+enum { RUNS = 50 };
 
 struct sums {
     uint64_t before[2], after[2];
     pthread_t thread[2];
-    uint32_t other_thread; /* number of runs whose tasks were executed by two threads */
+    /* the time until which a task waits for the other task of its run to begin */
+    uint64_t patience_ns;
+    atomic_uint begun;
 };
 
 static void add(void *context, uint32_t index)
@@ -196,32 +198,29 @@ static void add(void *context, uint32_t index)
     struct sums *sums = context;
     sums->after[index] = 3 * sums->before[1 - index] + index + 1;
     sums->thread[index] = pthread_self();
-    for (uint64_t end = gd_now_ns() + 20000; gd_now_ns() < end;) continue;
+    atomic_fetch_add(&sums->begun, 1);
+    while (atomic_load(&sums->begun) < 2 && gd_now_ns() < sums->patience_ns) sched_yield();
 }
 
-static void check_runs(const struct gd_executor *executor, struct sums *sums)
+/* Returns the number of runs whose tasks were executed by two threads. If `together`, each run
+ * needs both threads. */
+static int check_runs(const struct gd_executor *executor, bool together)
 {
     uint64_t expected[2] = {0, 0};
-    *sums = (struct sums){0};
+    int two = 0;
+    struct sums sums = {0};
+    if (together) sums.patience_ns = gd_now_ns() + UINT64_C(60000000000);
     for (int i = 0; i < RUNS; i++) {
-        gd_executor_run(executor, add, sums, 2);
-        memcpy(sums->before, sums->after, sizeof sums->before);
-        sums->other_thread += !pthread_equal(sums->thread[0], sums->thread[1]);
+        atomic_store(&sums.begun, 0);
+        gd_executor_run(executor, add, &sums, 2);
+        memcpy(sums.before, sums.after, sizeof sums.before);
+        two += !pthread_equal(sums.thread[0], sums.thread[1]);
         uint64_t first = 3 * expected[1] + 1;
         expected[1] = 3 * expected[0] + 2;
         expected[0] = first;
     }
-    assert_memory_equal(sums->after, expected, sizeof expected);
-}
-
-/* Runs until the helper has taken part. That may take long on a busy machine, since workers have a
- * low priority. */
-static void check_runs_of_two(const struct gd_executor *executor, struct sums *sums)
-{
-    uint64_t end = gd_now_ns() + UINT64_C(20000000000);
-    do check_runs(executor, sums);
-    while (!sums->other_thread && gd_now_ns() < end);
-    assert_true(sums->other_thread > 0);
+    assert_memory_equal(sums.after, expected, sizeof expected);
+    return two;
 }
 
 static void one_executor_serves_many_runs(void **state)
@@ -229,13 +228,11 @@ static void one_executor_serves_many_runs(void **state)
     (void)state;
     struct server_workers *workers = server_workers_create(2, 8);
     const struct gd_executor *executor = server_executor_start(workers, 9, UINT64_MAX);
-    struct sums sums;
     assert_int_equal(executor->width, 2);
-    check_runs_of_two(executor, &sums);
-    print_message("# %u of %d runs by two threads\n", sums.other_thread, RUNS);
+    assert_int_equal(check_runs(executor, true), RUNS);
     const struct timespec pause = {.tv_nsec = 2000000};
     nanosleep(&pause, NULL); /* longer than a helper's sleep */
-    check_runs_of_two(executor, &sums);
+    assert_int_equal(check_runs(executor, true), RUNS);
     server_executor_stop(executor);
     server_workers_destroy(workers);
 }
@@ -250,9 +247,7 @@ static void one_thread_needs_no_executor(void **state)
     server_executor_stop(NULL);
     server_workers_cancel(two); /* refuses the helper */
     const struct gd_executor *executor = server_executor_start(two, 2, UINT64_MAX);
-    struct sums sums;
-    check_runs(executor, &sums);
-    assert_int_equal(sums.other_thread, 0);
+    assert_int_equal(check_runs(executor, false), 0);
     server_executor_stop(executor);
     server_workers_destroy(one);
     server_workers_destroy(two);
@@ -277,8 +272,8 @@ static void helpers_leave_for_a_job_and_come_back(void **state)
         gd_executor_run(second, add, &sums, 2);
     }
     assert_int_equal(job.runs, 1);
-    check_runs_of_two(first, &sums);
-    check_runs_of_two(second, &sums);
+    assert_int_equal(check_runs(first, true), RUNS);
+    assert_int_equal(check_runs(second, true), RUNS);
     server_executor_stop(first);
     server_executor_stop(second);
     server_workers_destroy(workers);
