@@ -120,7 +120,8 @@ if [ ${#required[@]} = 0 ] && $is_unpacked && [ -z "$npm_folder" ]; then
     exit 0
 fi
 
-if [ ${#required[@]} = 0 ] && [ -z "$npm_folder" ] && apt-cache show "$headers" >/dev/null 2>&1; then # needs no root
+if [ ${#required[@]} = 0 ] && [ -z "$npm_folder" ] &&
+    apt-cache show "$headers" >/dev/null 2>&1; then # needs no root
     unpack_headers
     exit 0
 fi
