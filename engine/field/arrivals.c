@@ -52,8 +52,8 @@ static struct gd__local direction_to_source(const struct gd__source *source, str
     return (struct gd__local){source->at.x - at.x, source->at.y - at.y};
 }
 
-/* Adds the paths that arrive through a face. The directions of the face at the point begin at its
- * side k, with turn `begin`, and extend over `extent`. */
+/* Adds the paths that arrive through a face. The face's directions at the point begin at the
+ * direction of side k, whose turn is `begin`, and cover the angle `extent`. */
 static enum gd_status add_face(struct arrivals *arrivals, uint32_t face, int k, double begin,
                                double extent)
 {
@@ -137,8 +137,8 @@ static bool is_another(const struct arrivals *arrivals, const struct arrival *a,
     return away <= GD_TOL_CUT * fmin(a->distance, b->distance);
 }
 
-/* Returns true if several shortest paths arrive. The path with the distance `distance` must be
- * among them, except at a seed, where it has no direction. */
+/* Returns true if several shortest paths arrive. The shortest path, whose length is `distance`,
+ * must be among the arrivals, except at a seed, where this path has no direction. */
 static bool are_several(const struct arrivals *arrivals, double distance)
 {
     const struct arrival *best = NULL;

@@ -4,9 +4,10 @@
 
 #include "base/array.h"
 
-/* The part of a circle that lies in the face and is not nearer to another source is bounded by
- * disks and half-planes. On a circle, each disk or half-plane gives a condition cos(angle - phi) >=
- * q. On a line (the circle of a segment source) each gives an interval. */
+/* This file computes the part of a circle that lies in the face and where no other source is
+ * nearer. Disks and half-planes bound this part. On a circle, each disk or half-plane gives a
+ * condition cos(angle - phi) >= q. On a line (the circle of a segment source), each disk or
+ * half-plane gives an interval. */
 
 static struct gd__local opposite(struct gd__local v)
 {
@@ -106,9 +107,9 @@ static bool circle_touches(const struct gd__circle *circle, struct gd__local nor
            slack;
 }
 
-/* Returns the part on the negative side of a line. If a circle touches the line within `slack`, all
- * of it counts as lying on the side of its centre. If a straight circle coincides with the line, it
- * counts as lying on the side of its source. */
+/* Returns the part on the negative side of a line. If a circle touches the line within `slack`, the
+ * whole circle counts as lying on the side of its centre. If a straight circle coincides with the
+ * line, the circle counts as lying on the side of its source. */
 static struct gd__turn beyond_line(const struct gd__circle *circle, struct gd__local normal,
                                    struct gd__local through, double slack)
 {

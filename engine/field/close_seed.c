@@ -5,8 +5,8 @@
 /* --- across an edge --------------------------------------------------------------------------- */
 
 /* Computes the vector to a point from a seed in the face across `side`. In the side's frame the
- * point is above and the seed below. For accuracy, x is a difference of weights of the end of the
- * side where both weights are smaller. */
+ * point is above and the seed below. For accuracy, x is computed from the two weights of one end of
+ * the side, as their difference. This is the end where both weights are smaller. */
 static bool is_across(const struct gd_mesh *mesh, uint32_t side, const double p[3],
                       const double s[3], struct gd__close_seed *out)
 {
@@ -141,8 +141,8 @@ static void append_crossing(struct gd__path_builder *builder, uint32_t face, uin
     gd__path_builder_append_in_face(builder, point, face);
 }
 
-/* Appends the point where the line crosses an edge of the vertex, `turn` radians from the point.
- * `face` is the builder's face. */
+/* Appends the point where the line crosses an edge that ends at the vertex. Around the vertex, the
+ * edge is `turn` radians away from the point. `face` is the builder's face. */
 static void append_spoke(struct gd__path_builder *builder, const struct gd__close_seed *close,
                          uint32_t face, uint32_t side, double turn)
 {

@@ -1,6 +1,7 @@
 /* Close seeds: a seed is close to a point in another face if both lie beside the same edge or the
- * same vertex. Wedges would lose digits of such a short distance. Therefore this file computes the
- * distance from small weights and their differences. Normalised unit. */
+ * same vertex. The distance between the two may be very short, and a distance computed from wedges
+ * would lose digits. Therefore these functions compute it from barycentric weights that are small,
+ * and from differences of weights. Normalised unit. */
 #ifndef GD_FIELD_CLOSE_SEED_H
 #define GD_FIELD_CLOSE_SEED_H
 
@@ -20,10 +21,10 @@ struct gd__close_seed {
        end */
     double t, rest;
 
-    /* around a vertex: polar coordinates of the point and of the seed; at.vertex GD_NONE: the line
-       runs across an edge */
+    /* around a vertex: polar coordinates of the point and of the seed. If at.vertex is GD_NONE, the
+       line runs across an edge instead */
     struct gd__polar at, to;
-    double turn; /* from the point to the seed, counter-clockwise, between -pi and pi */
+    double turn; /* angle from the point to the seed, counter-clockwise, in [-pi, pi] */
 };
 
 /* Returns true if a point of a face may have close seeds, because it lies beside an edge. */

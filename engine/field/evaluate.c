@@ -9,7 +9,7 @@
 
 enum {
     BLOCK = 16, /* points */
-    STEPS = 4,  /* the number of blocks between the step that opens a block and its evaluation */
+    STEPS = 4,  /* a block is evaluated this many blocks after it was opened */
     RING = 8,   /* blocks in progress; a power of two, more than STEPS */
     CHECK_INTERVAL = 64 /* blocks */
 };

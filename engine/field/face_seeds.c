@@ -72,8 +72,8 @@ static void put_runs(const struct run *runs, uint32_t count, const struct gd__fa
         for (uint32_t i = run->first; i < run->first + run->count; i++) *out++ = list[i];
 }
 
-/* Sorts the entries by face, stably. Sorts runs instead of single entries, because there are fewer.
- * O(n) for each digit. Error: GD_NO_MEMORY. */
+/* Sorts the entries by face, stably. The function sorts runs instead of single entries, because
+ * there are fewer runs. O(n) for each digit. Error: GD_NO_MEMORY. */
 static enum gd_status sort_by_face(struct gd_field *field)
 {
     uint32_t count = field->face_seed_count;

@@ -6,12 +6,13 @@
 
 /* The farthest point. Inside a region with one nearest source the distance has no maximum. On the
  * bisector of two sources inside a face the distance can have a maximum only where the two
- * gradients are opposite. Between two points, or a point and a segment, such a place is a saddle.
- * Between two parallel segments the place belongs to a ridge of constant distance, which ends at a
- * third source or on the boundary, or is a closed line that crosses edges. Therefore a maximum is a
- * vertex, a point of a boundary edge between two sources, a point of any edge between two segments,
- * or a point between three sources. Vertices are tried first. Then the search visits only faces,
- * and in each face only sources, whose distances may exceed the best one so far. */
+ * gradients are opposite. If the sources are two points, or a point and a segment, such a place is
+ * a saddle. If the sources are two parallel segments, the place belongs to a ridge of constant
+ * distance. This ridge ends at a third source or on the boundary, or is a closed line that crosses
+ * edges. Therefore a maximum is a vertex, a point of a boundary edge between two sources, a point
+ * of any edge between two segments, or a point between three sources. Vertices are tried first.
+ * Then the search visits only faces, and in each face only sources, whose distances may exceed the
+ * best one so far. */
 
 enum { CHECK_INTERVAL = 64 /* faces */ };
 
@@ -130,8 +131,9 @@ struct plane {
 };
 
 /* Returns the plane that contains all (p, r) where a source and `first`, a point at the origin,
- * give the same distance. For `first` |p| = r. For another point |p - a| = r - k, so a p - k r =
- * (a^2 - k^2) / 2. The distance of a linear source is itself a plane. */
+ * give the same distance. r is this distance minus the sigma of `first`, so |p| = r. For a point
+ * source at a, whose sigma is greater by k, |p - a| = r - k, so a p - k r = (a^2 - k^2) / 2. The
+ * distance of a linear source is itself a plane. */
 static struct plane plane_between(const struct gd__source *first, const struct gd__source *source)
 {
     if (source->linear)

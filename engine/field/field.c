@@ -217,7 +217,7 @@ void gd_field_release(const struct gd_field *field)
     free(shared);
 }
 
-/* Copies all members except the reach and those that own memory. */
+/* Copies all members except the reach, and except the members that own memory. */
 static void share_arrays(struct gd_field *to, const struct gd_field *from)
 {
     to->shown = gd_field_retain(from);

@@ -237,7 +237,8 @@ static double angle_near(const struct gd__circle *circle, double angle, struct g
     return angle + remainder(gd__circle_angle(circle, at) - angle, 2 * M_PI);
 }
 
-/* Returns the length along a line from `start` to `stop`; negative if `stop` lies behind. */
+/* Returns the length along a line from `start` to `stop`; negative if the line leads from `stop` to
+ * `start`. */
 static double way_along(const struct gd__circle *line, struct gd__local start,
                         struct gd__local stop)
 {

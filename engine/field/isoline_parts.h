@@ -23,8 +23,9 @@ struct gd__crossing {
     bool from_below; /* the edge is below the level before t */
 };
 
-/* An arc, from its start to the start of the next piece. Radius 0: a straight line between them;
- * `centre` is its start, and `from` and `to` are lengths. */
+/* An arc, from its start to the start of the next piece. Radius 0 means a straight line between
+ * these two places; `centre` is the line's start, and `from` and `to` are lengths along the
+ * line. */
 struct gd__isoline_piece {
     uint32_t face;
     struct gd_point start;
@@ -35,7 +36,8 @@ struct gd__isoline_piece {
 };
 
 /* Consecutive pieces through one face, from the crossing where the line enters to the crossing
- * where it leaves. Both GD_NONE: a closed line. No pieces: both crossings are at the same place. */
+ * where it leaves. If both crossings are GD_NONE, the line is closed. If there are no pieces, both
+ * crossings are at the same place. */
 struct gd__isoline_chain {
     uint32_t entry, exit;
     uint32_t first, count;

@@ -104,9 +104,10 @@ GD_MUST_USE enum gd_status gd__field_take_seeds(struct gd_field *field,
 /* field.c: returns the size of the arrays in bytes. */
 size_t gd__field_bytes(const struct gd_field *field);
 
-/* field.c: bounds of the distances in a face. `least` is the greatest distance of a corner. `most`:
- * an upper bound, because each point is within an edge's length of each corner. A maximum inside
- * the face lies between the two. `most` may be less than `least`. */
+/* field.c: bounds of a maximum of the distance inside a face. `least` is the greatest distance of a
+ * corner. `most` is an upper bound of all distances in the face, because each point is at most an
+ * edge's length away from each corner. `most` may be less than `least`, for example if the field
+ * does not reach a corner. */
 struct gd__levels {
     double least, most;
 };

@@ -12,7 +12,7 @@ struct gd__path_builder {
     const struct gd_mesh *mesh;
     struct gd_path path; /* the result, for the caller */
     uint32_t capacity;
-    /* fraction of an edge: crossings this near to an end of the edge are moved to the end */
+    /* fraction of an edge: a crossing within this distance of an end is moved to the end */
     double snap;
     /* 0 means plain rays; GD_TOL_ASIDE_LEAST or more: careful rays (ray.c) */
     double aside;

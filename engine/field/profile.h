@@ -1,8 +1,8 @@
 /* Profile: the exact distance along a straight segment of the surface, and the nearest source of
  * each part of the segment. The sources of a face (wedges across its edges, corners, seeds in it)
  * become windows of the segment, as if it were an edge. Contests (window/contest.h) find the
- * nearest source everywhere. Within one window the distance is convex: it is least at the place
- * nearest to the source, and greatest at an end. */
+ * nearest source everywhere. Within one window the distance is a convex function. Its minimum is at
+ * the place nearest to the source, its maximum at an end of the window. */
 #ifndef GD_FIELD_PROFILE_H
 #define GD_FIELD_PROFILE_H
 

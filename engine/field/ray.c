@@ -104,8 +104,8 @@ BOTH_KINDS void cross_face(const struct gd_side *s, struct gd__ray *ray, struct 
 }
 
 /* Appends the crossing of a ray into the next face, which it enters by the side `next`. Returns
- * false if the crossing is so near to the edge's end that it must be moved there, if the edge is a
- * boundary, or if memory is exhausted. */
+ * false in three cases: the crossing is so near to an end of the edge that it must be moved there,
+ * the edge is on the boundary, or memory is exhausted. */
 static inline bool append_crossing(struct gd__path_builder *builder, const struct gd_side *next,
                                    const struct gd__ray *ray, const struct passage *passage)
 {

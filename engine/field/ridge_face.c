@@ -29,7 +29,7 @@ struct pair {
     uint32_t number[2];
     struct gd__focus focus[2];
     struct gd__branch branch;
-    double beside; /* rounding of the branch, across its direction, in the middle of the face */
+    double beside; /* rounding error across the branch, in the middle of the face */
 };
 
 /* --- related sources -------------------------------------------------------------------------- */
@@ -81,7 +81,7 @@ static double angle_at(const struct gd__focus focus[2], struct gd__local at)
     return atan2(fabs(gd__local_cross(u, v)), gd__local_dot(u, v));
 }
 
-/* Returns the rounding of a branch at a place, across its direction. */
+/* Returns a bound of the rounding error of a branch at a place, measured across the branch. */
 static double beside_at(const struct work *work, const struct gd__focus focus[2],
                         struct gd__local at)
 {
@@ -121,7 +121,8 @@ static bool put_on_border(const struct work *work, struct gd__local at, double s
 }
 
 /* Moves a place along the bisector of two sources to a side of the face that is at most `reach`
- * away. Newton's method for two equations: equal distances, and height 0 above the side. */
+ * away. Uses Newton's method for two equations: the distances are equal, and the height above the
+ * side is 0. */
 static struct gd__local move_to_side(const struct gd__face_frame *frame,
                                      const struct gd__focus focus[2], struct gd__local at,
                                      double reach)
@@ -182,8 +183,8 @@ static struct gd__ridge_end locate_end(const struct work *work, struct gd__local
     return end;
 }
 
-/* Returns the number of the side along which a part runs; 3: none. Its ends and its middle are on
- * the side. */
+/* Returns the number of the side along which a part runs; 3: none. The ends and the middle of the
+ * part must be on the side. */
 static int side_along(const struct work *work, const struct gd__ridge_end end[2],
                       struct gd__local middle)
 {
@@ -226,9 +227,9 @@ static bool is_ridge(const struct work *work, const struct pair *pair, struct gd
     return is_away;
 }
 
-/* Returns true if the lines need no point between the ends of a part, even if its ends are moved by
- * `near` or to a node close by. The test is that of the lines (voronoi_line.c), with half the
- * tolerance. */
+/* Returns true if the exported polyline needs no point between the ends of a part. This must also
+ * hold if the ends are moved by `near`, or to a node close by. The test is the one of
+ * voronoi_line.c, with half the tolerance. */
 static bool is_straight(const struct work *work, const struct gd__arc *arc,
                         const struct gd__local end[2], double near)
 {
@@ -295,7 +296,7 @@ static struct corners corners_of(const struct gd__view *view)
     return corners;
 }
 
-/* As gd__view_is_beyond, for a view with corners. */
+/* Like gd__view_is_beyond, for a view with corners. */
 static bool is_beyond(const struct corners *view, double most, const struct gd__source *other)
 {
     if (most < other->nearest) return true;
@@ -411,8 +412,8 @@ static enum gd_status add_between(const struct work *work, uint32_t i, uint32_t 
 {
     const struct gd__source *a = source_at(work, i), *b = source_at(work, j);
     if (are_related(work, i, j)) return GD_OK;
-    /* the polar form of a branch is centred at a point source, the one around which the branch
-     * bends */
+    /* the centre of a branch's polar form is a point source; of two points, the point around which
+       the branch bends */
     bool ordered = a->linear == b->linear ? a->sigma >= b->sigma : b->linear;
     struct pair pair = {.number = {ordered ? i : j, ordered ? j : i},
                         .focus = {gd__focus_of(ordered ? a : b), gd__focus_of(ordered ? b : a)}};

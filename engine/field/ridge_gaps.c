@@ -149,7 +149,7 @@ struct loose {
     const struct places *places; /* the nodes near loose ends */
     uint32_t node, part, end;
     struct gd_point point;
-    double sure; /* a node this near is at the same place */
+    double sure; /* a node at most this far away is at the same place */
 };
 
 /* Searches the nodes on one element of a face. If one is nearer than `best`, replaces `best` by
@@ -195,15 +195,15 @@ static double size_at(const struct gd__ridges *ridges, uint32_t part)
     return fmax(side->length, fmax(side->left_length, side->right_length));
 }
 
-/* Returns the distance at which nodes are at one place. Along edges it is small: a copy of a ridge
- * (drop_copies) may end close to another node. */
+/* Returns the distance at which nodes are at one place. For a part along an edge this distance is
+ * small, because a copy of a ridge (drop_copies) may end close to another node. */
 static double sure_reach(const struct gd__ridges *ridges, uint32_t part)
 {
     return (part < ridges->first_along ? GD_TOL_NODE : 10 * GD_TOL_CHECK) * size_at(ridges, part);
 }
 
-/* Returns a bound of the rounding of a part's ends, which grows if the angle falls. Two loose ends
- * this near are ends of one ridge. */
+/* Returns a bound of the rounding of a part's ends. The bound grows as the angle decreases. Two
+ * loose ends that are at most this far apart are ends of one ridge. */
 static double rounding_at(const struct gd__ridges *ridges, uint32_t part)
 {
     double size = size_at(ridges, part);
@@ -216,8 +216,8 @@ static double rounding_at(const struct gd__ridges *ridges, uint32_t part)
 
 /* --- joining ---------------------------------------------------------------------------------- */
 
-/* Returns the point seed at the end of a part, where a ridge may begin: a joint of a curve. NULL:
- * none. */
+/* Returns the point seed at the end of a part, or NULL. A ridge may begin at such a seed if it is a
+ * joint of a curve. */
 static const struct gd__seed *seed_at(const struct gd__ridges *ridges, uint32_t part,
                                       const struct gd_point *point)
 {
@@ -251,7 +251,8 @@ static enum gd_status is_on_part(struct gd__ridges *ridges, uint32_t part,
     return GD_OK;
 }
 
-/* Later ends that are near the loose end are joined to the node to which it was joined. */
+/* Records that the node of a loose end was joined to `node`. Ends that are later found near this
+ * loose end are then joined to `node` too. */
 static void redirect(const struct loose *loose, uint32_t node)
 {
     const struct places *places = loose->places;
@@ -263,8 +264,8 @@ static void redirect(const struct loose *loose, uint32_t node)
     }
 }
 
-/* Joins a loose end to a node. The part is extended or shortened to the node if the node is on its
- * bisector. Otherwise a straight part joins both. */
+/* Joins a loose end to a node. If the node is on the bisector of the end's part, the part is
+ * extended or shortened to the node. Otherwise a straight part connects the end with the node. */
 static enum gd_status join(const struct loose *loose, const struct neighbour *near)
 {
     struct gd__ridges *ridges = loose->ridges;
@@ -315,7 +316,8 @@ static enum gd_status close_gap(struct gd__ridges *ridges, const struct places *
 }
 
 /* Removes parts along an edge that end loosely on the edge. Such a part is a copy of a ridge that
- * leaves the edge at a tiny angle. `behind`: the first part behind those along edges. */
+ * leaves the edge at a tiny angle. `behind` is the number of the first part after the parts along
+ * edges. */
 static void drop_copies(struct gd__ridges *ridges, uint32_t behind)
 {
     struct gd__diagram *diagram = &ridges->diagram;

@@ -85,8 +85,8 @@ size_t gd__ridges_held(const struct gd__ridges *ridges)
            ridges->along_capacity * sizeof *ridges->along;
 }
 
-/* Makes room for one more item of an array. The budget must cover the larger array and all that is
- * held, the smaller array among it. */
+/* Makes room for one more item of an array. The budget must cover the larger array and all memory
+ * that is held, which includes the smaller array. */
 static enum gd_status make_room(struct gd__ridges *ridges, void *array, uint32_t *capacity,
                                 uint32_t count, size_t size)
 {

@@ -5,11 +5,11 @@
  *   sources see the branch, no third source is nearer, and the paths arrive from different
  *   directions.
  * - Two sources are *related* if one is on the paths of the other: two wedges of one source, a
- *   corner and the source behind it, a segment and its end. Then their distances differ, or agree
- *   together with their directions. So they have no ridge. Where they agree, one of them takes
- *   precedence, so that no part is found twice.
- * - Members name the parts and have no influence on them. So there is no nudge as in a Voronoi
- *   diagram (voronoi_parts.h).
+ *   corner and the source behind it, a segment and its end. At each point, their distances differ,
+ *   or their distances and their directions are equal. So they have no ridge. Where they are equal,
+ *   one of the two sources takes precedence, so that no part is found twice.
+ * - Parts are labelled with the members of their sources. Members have no influence on the places
+ *   of parts. So there is no nudge as in a Voronoi diagram (voronoi_parts.h).
  * - A ridge along an edge may be found in one of the edge's faces or in both, because the field
  *   stores equally near windows from one or from both sides. Such parts may lie beside their face
  *   by the rounding of a ridge. They are joined to disjoint intervals of the edge.
@@ -17,8 +17,8 @@
  *   that end at a place is arbitrary, so ties need no rule. The faces are processed in the order of
  *   their numbers. Ends on an edge wait until both faces of the edge are done, and on an edge with
  *   parts along it until all faces are done.
- * - Most parts are straight up to the tolerance and store no arc. Their sources are gathered again
- *   if they are needed.
+ * - Most parts are straight up to the tolerance and store no arc. If the sources of such a part are
+ *   needed later, they are gathered again.
  * - Normalised unit. */
 #ifndef GD_FIELD_RIDGES_H
 #define GD_FIELD_RIDGES_H
@@ -32,7 +32,7 @@ struct gd__ridge_end {
     enum gd_point_kind kind;
     uint32_t element;    /* vertex, edge or face */
     struct gd__local at; /* on an edge: x is measured from the origin of its side 0, and y is 0 */
-    double near;         /* ends this close are at one place */
+    double near;         /* ends at most this far apart are at one place */
     struct gd_point point;
     uint32_t part, end; /* set by gd__ridges_add */
 };
@@ -44,7 +44,7 @@ struct gd__waiting_end {
     uint32_t next; /* the next one on the edge, or in the list of unused entries */
 };
 
-/* What a part has in addition to a part of a Voronoi diagram. */
+/* The data of a part in addition to those of a part of a Voronoi diagram (gd__bisector_part). */
 struct gd__ridge_pair {
     double angle; /* greatest angle between the directions of arrival */
     /* numbers of its sources in the face; GD_NONE: a part along an edge, or a bridge over a gap */
@@ -73,7 +73,7 @@ struct gd__ridges {
     struct gd__ridge_pair *pair; /* for each part */
     uint32_t *vertex_node;       /* for each vertex; GD_NONE if no part ends there */
     uint32_t *first_waiting;     /* for each edge; GD_NONE if no end waits */
-    bool *has_along;             /* for each edge: there are parts along it */
+    bool *has_along;             /* for each edge: true if parts run along it */
     struct gd__waiting_end *waiting;
     struct gd__ridge_end *here; /* ends in the current face or on the current edge */
     uint64_t *rivals;           /* scratch of a face: a row of bits for each source */

@@ -113,7 +113,7 @@ static bool is_needless(const struct gd_field *field, const struct gd__source *s
     if (field->mesh->vertex_kind[source->pseudo] != GD_VERTEX_CONVEX) return false;
     const struct gd__predecessor *predecessor = &field->predecessor[source->pseudo];
     return predecessor->side != GD_NONE ||
-           predecessor->source < vertices; /* else it may be a seed */
+           predecessor->source < vertices; /* otherwise the vertex may be a seed */
 }
 
 void gd__sources_drop_needless(const struct gd_field *field, struct gd__sources *sources)

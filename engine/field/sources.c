@@ -152,8 +152,8 @@ static struct gd__source source_of_chord(const struct gd__chord *chord, int left
     return source;
 }
 
-/* Appends the sources of a seed segment. A segment along an edge has only one in this face, which
- * lies on one side of it. */
+/* Appends the sources of a seed segment. A segment along an edge has only one source in this face,
+ * because the face lies on one side of the segment. */
 static enum gd_status append_chord(const struct gd_field *field, uint32_t seed,
                                    struct gd__sources *out)
 {

@@ -15,7 +15,7 @@ struct gd__turn gd__turn_around(double phi, double q)
 
 struct gd__turn gd__turn_both(const struct gd__turn *a, const struct gd__turn *b)
 {
-    struct gd__turn common; /* other spans stay unset: there are many calls */
+    struct gd__turn common; /* other spans stay uninitialised, because calls are very frequent */
     common.count = 0;
     for (int i = 0; i < a->count; i++) {
         for (int k = 0; k < b->count; k++) {

@@ -9,7 +9,8 @@
 
 enum { GD__TURN_PARTS = 6 };
 
-/* An interval from..to, counter-clockwise, with the caller's numbers of its two borders. */
+/* An interval from..to, counter-clockwise. The caller identifies each of its two borders by a
+ * number. */
 struct gd__span {
     double from, to;
     uint32_t from_by, to_by;

@@ -2,8 +2,8 @@
  * hyperbola or a line between two points, a parabola between a point and a segment's line, a line
  * between two segments' lines.
  *
- * DESIGN. A branch has the polar form 1/r = w u + q about a centre, where u is the unit vector of
- * an angle. It exists where the right side is positive.
+ * DESIGN. A branch has the polar form 1/r = w u + q about a centre. Here u is the unit vector of an
+ * angle, and w u is a dot product. The branch exists where the right side is positive.
  * - About a point s, against a point at s + a that is farther by k:
  *   1/r = 2 (a u - k) / (a a - k^2).
  * - About a point s, against a line with gradient g that is farther by k: r = k + r g u, that is

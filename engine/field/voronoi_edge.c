@@ -30,8 +30,9 @@ static bool has_seed_of_another(const struct gd__diagram *diagram, uint32_t edge
     return false;
 }
 
-/* Returns the member of the pseudo-sources of wedge `i` and of its neighbours by number; GD_NONE if
- * their members differ. Reads only a part of the wedge. For a gap the result may be any member. */
+/* The source of wedge `i` belongs to a block of 256 consecutive pseudo-sources. Returns the member
+ * that all of them have. Returns GD_NONE if their members differ, or if the wedge is wide. Reads
+ * only the high bits of the source. For a gap the result may be any member. */
 static uint32_t member_of_block(const struct gd__diagram *diagram, const struct gd__wedges *wedges,
                                 uint32_t i)
 {

@@ -133,8 +133,8 @@ static struct gd__loose_end *find_partner(const struct work *work,
 }
 
 /* Adds a loose end at the node of a triple point, for two of its members whose part was not found.
- * Later matching bridges this end, or joins it to a part that ends elsewhere because of
- * rounding. */
+ * Later, matching connects this end by a bridge, or joins it to a part that ends elsewhere because
+ * of rounding. */
 static enum gd_status await_two(const struct work *work, const struct gd__loose_end *first,
                                 uint32_t a, uint32_t b, uint32_t node)
 {
@@ -285,8 +285,8 @@ static bool find_other_two(const struct gd__loose_end *a, const struct gd__loose
     return false;
 }
 
-/* Returns the unmatched end of the missing pair of two ends at the same place; NULL if there is
- * none. */
+/* If two ends are at the same place, determines the pair of members that is missing there
+ * (find_other_two), and returns an unmatched end of this pair. Returns NULL if there is none. */
 static struct gd__loose_end *find_third(const struct work *work, const struct gd__loose_end *a,
                                         const struct gd__loose_end *b)
 {
@@ -301,8 +301,8 @@ static struct gd__loose_end *find_third(const struct work *work, const struct gd
     return NULL;
 }
 
-/* Makes a triple point of three ends. One of its bisectors is the border of a shadow and is not
- * computed here. A bridge replaces it. */
+/* Makes a triple point of three ends. One of the three bisectors is the border of a shadow and is
+ * not computed here. A bridge replaces this bisector. */
 static enum gd_status match_corner(const struct work *work, struct gd__loose_end *a,
                                    struct gd__loose_end *b, struct gd__loose_end *third)
 {

@@ -87,7 +87,7 @@ struct gd__arc {
     double from, to; /* angles about focus[0] */
 };
 
-/* Whether the windows of an edge belong to more than one member. */
+/* MIXED: the windows of an edge belong to more than one member. */
 enum gd__mixture { GD__MIXTURE_UNKNOWN, GD__MIXTURE_PURE, GD__MIXTURE_MIXED };
 
 /* The diagram under construction. Owner changes of edge e: [first_switch[e], first_switch[e + 1]).

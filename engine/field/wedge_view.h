@@ -24,7 +24,7 @@ struct gd__wedge_view_best {
 };
 
 /* The kernel: finds the shortest path through the wedges of the views, if it is shorter than
- * `known`. A path is straight, or bends at the wedge's end. The _linear kernels also take linear
+ * `known`. A path is straight, or bends at the wedge's end. The _linear kernels also accept linear
  * wedges. */
 typedef struct gd__wedge_view_best gd__wedge_view_kernel(const struct gd_field *field,
                                                          const struct gd__wedge_view *wedge_views,

@@ -97,7 +97,8 @@ static inline lanes distances_of_lines(const struct gd__wedge_view *wedge_view,
     return pick(bends, sigma - x * bend + root(fx * fx + py * py), sigma - x * px + y * py);
 }
 
-/* The functions below are compiled once for wedges of points only, and once with linear ones. */
+/* The functions below are compiled twice: for wedges of points only, and for point and linear
+ * wedges. */
 #define BOTH_KINDS static inline __attribute__((always_inline))
 
 /* Returns the distances of the point through the wedges beginning with number `at`; GD__FAR for

@@ -6,9 +6,10 @@
 #include "base/array.h"
 #include "mesh/segment.h"
 
-/* The wedges of an edge as one list: merges its chunks by contests, as in the paper's final stage.
- * Chunks contain no windows whose sources lie on the edge's own line. Therefore the edge's ends and
- * the seeds on the edge are merged here, as the paper's tuples with d0 = 0 or d1 = 0. */
+/* The wedges of an edge as one list: merges its chunks by contests, as the final stage of Liu's
+ * algorithm (gd/field.h) does. Chunks contain no windows whose sources lie on the edge's own line.
+ * Therefore the edge's ends and the seeds on the edge are merged here. They are Liu's tuples with
+ * d0 = 0 or d1 = 0. */
 
 /* Stored ends of wedges are rounded to one unit. Two ends that were equal before rounding may lie
  * this far apart. */
@@ -28,7 +29,7 @@ static void close_merger(struct merger *merger)
     gd__stack_destroy(&merger->merged);
 }
 
-/* Merges the windows of m->chunk into the list. The list wins ties. */
+/* Merges the windows of m->chunk into the list. In a tie, the window of the list wins. */
 static enum gd_status merge_windows(struct merger *m, double length)
 {
     enum gd_status status =
