@@ -13,7 +13,7 @@ static const double longest = 0.02;
 struct segment {
     struct gd__lattice_node a, b;
     int64_t low, high;            /* range of x */
-    uint32_t loop, sample, count; /* begins at this one of the loop's `count` samples */
+    uint32_t loop, sample, count; /* begins at number `sample` of the loop's `count` samples */
 };
 
 static int by_low(const void *x, const void *y)

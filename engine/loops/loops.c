@@ -82,8 +82,8 @@ static void take_point(const struct gd_trim_curve *curve, uint32_t i, double out
     out[0] = w * curve->points[i][0], out[1] = w * curve->points[i][1], out[2] = w;
 }
 
-/* Computes Bézier point j of the knot interval that begins at knots[k]: the blossom of the curve at
- * degree - j times the interval's beginning and j times its end. */
+/* Computes Bézier point j of the knot interval that begins at knots[k]: the value of the curve's
+ * blossom for degree - j arguments at the interval's beginning and j arguments at its end. */
 static void blossom(const struct gd_trim_curve *curve, uint32_t k, uint32_t j, double out[3])
 {
     uint32_t d = curve->degree;
@@ -100,7 +100,8 @@ static void blossom(const struct gd_trim_curve *curve, uint32_t k, uint32_t j, d
     memcpy(out, p[d], sizeof p[d]);
 }
 
-/* The spans and points added so far. Their arrays in `loops` are allocated in full size before. */
+/* The spans and points that were added so far. Their arrays in `loops` already have the full
+ * size. */
 struct intake {
     struct gd__loops *loops;
     uint32_t points;
@@ -154,7 +155,7 @@ static double span_extent(const struct gd__loops *loops, const struct gd__span *
     return most;
 }
 
-/* Checks that each span begins where the preceding one ends, and makes them meet exactly. */
+/* Checks that each span begins where the preceding span ends, and makes the two points equal. */
 static enum gd_status close_loop(struct gd__loops *loops, uint32_t number,
                                  struct gd_trim_fault *fault)
 {

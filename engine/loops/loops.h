@@ -35,7 +35,7 @@ struct gd__loop_samples {
 };
 
 struct gd__loops {
-    double low[2], width[2]; /* of the rectangle */
+    double low[2], width[2]; /* lower corner and widths of the rectangle */
     bool has_outer;
     uint32_t count, span_count;
     struct gd__loop *loops;
