@@ -35,8 +35,8 @@ struct gd_vec3 gd__view_direction(enum gd_view view, struct gd_vec3 up);
  * above it, both in radians. */
 struct gd_vec3 gd__view_from(double azimuth, double elevation, struct gd_vec3 up);
 
-/* Moves and scales the projection so that the surface just fills the viewport, together with the
- * points of layers that are not far from it. O(vertices + points). */
+/* Moves and scales the projection so that the viewport just contains the surface and those points
+ * of layers that are not far from the surface. O(vertices + points). */
 void gd__camera_fit(struct gd__camera *camera, const struct gd_mesh *mesh,
                     const struct gd_picture_layer *layers, uint32_t layer_count,
                     const struct gd__viewport *window);

@@ -25,8 +25,8 @@ struct gd__text {
     struct gd__colour halo;
 };
 
-/* The first member of each kind of canvas. `status` holds the first failure, after which nothing is
- * drawn. */
+/* Each kind of canvas begins with this struct. `status` holds the first failure. After a failure,
+ * the functions draw nothing. */
 struct gd__canvas {
     void (*stroke)(struct gd__canvas *canvas, const struct gd__lines *lines,
                    const struct gd__pen *pen);

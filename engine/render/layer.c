@@ -4,7 +4,7 @@
 #include <string.h>
 
 #define LINE_WIDTH  3.0
-#define THIN_WIDTH  1.6 /* of each of several lines */
+#define THIN_WIDTH  1.6 /* width of a line if the layer has several */
 #define MARK_RADIUS 4.2
 #define HALO_LEAST  2.0  /* thinner lines have no halo */
 #define HALO        1.8  /* width of a halo, relative to the line */
@@ -18,7 +18,7 @@ enum { CHECK_INTERVAL = 64 }; /* lines */
 struct gd__colour gd__layer_colour(const struct gd_picture_layer *layer, uint32_t number,
                                    const struct gd__palette *palette)
 {
-    /* after the palette's own: blue, green, orange, purple, brown, teal */
+    /* the palette's path colour (written as 0), blue, green, orange, purple, brown, teal */
     static const uint32_t colours[] = {0,        0x1a5fb4, 0x1b7f3b, 0xd97706,
                                        0x7b2fbe, 0x7a4a21, 0x0b7a8a};
     uint32_t next = colours[number % (sizeof colours / sizeof *colours)];
@@ -284,7 +284,8 @@ struct labels {
     struct label_box placed[GD_PICTURE_LABELS];
 };
 
-/* Returns how much the box covers labels, marks and the outside of the picture; 0: nothing. */
+/* Returns a measure of the labels, marks and parts outside the picture that the box covers; 0 means
+ * that it covers none. */
 static double box_cost(const struct labels *labels, const struct label_box *box)
 {
     const struct gd__depth_buffer *buffer = labels->stage->buffer;
@@ -306,7 +307,7 @@ static double box_cost(const struct labels *labels, const struct label_box *box)
 }
 
 /* Tries eight places of a label around its mark: right, left, above, below, and the corners.
- * Returns the place where the label covers least. */
+ * Returns the place with the least box_cost. */
 static struct label_box label_place(const struct labels *labels, struct gd__pixel_point at,
                                     double width, double height, double away)
 {

@@ -13,7 +13,7 @@ struct gd__stage {
     const struct gd__depth_buffer *buffer;
     const struct gd__palette *palette;
     struct gd__budget *budget;
-    double unit; /* of the legend, pixels */
+    double unit; /* unit of the legend, in pixels */
 };
 
 struct gd__mark {
@@ -47,7 +47,7 @@ void gd__layer_free(struct gd__layer *layer);
 void gd__layer_draw(const struct gd__layer *layer, const struct gd__stage *stage,
                     struct gd__canvas *canvas);
 
-/* Draws the labels of all layers beside their marks, so that they do not cover each other where
+/* Draws the labels of all layers beside their marks, so that labels do not cover each other where
  * there is room. */
 void gd__labels_draw(const struct gd__layer *layers, uint32_t count, const struct gd__stage *stage,
                      struct gd__canvas *canvas);

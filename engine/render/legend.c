@@ -8,15 +8,15 @@
 #define COLUMN      92.0 /* width of the scale, on the right */
 #define ROW         30.0 /* height of the row with the names of layers, at the bottom */
 #define FURTHER_ROW 22.0 /* height of each further row */
-#define SIDE        18.0 /* left of the first name, and right of the last one */
+#define SIDE        18.0 /* margin left of the first name and right of the last name */
 #define SAMPLE      36.0 /* width of a sample, with the gap to its name */
-#define BETWEEN     24.0 /* between two names in a row */
+#define BETWEEN     24.0 /* gap between two names in a row */
 #define BAR_WIDTH   14.0
 #define BAR_PART    0.62 /* height of the colour bar, relative to the picture's height */
 #define TICK        4.0
 #define LETTERS     13.0
-#define TICK_APART  1.6           /* least distance of two numbers, in text heights */
-#define LEAST_SIDE  200           /* pixels: smaller pictures have no legend */
+#define TICK_APART  1.6           /* least distance between two numbers, in text heights */
+#define LEAST_SIDE  200           /* pixels; a picture with a smaller side has no legend */
 #define AREA        (800.0 * 600) /* pixels of a picture whose unit is one pixel */
 
 /* --- names of layers -------------------------------------------------------------------------- */

@@ -14,12 +14,12 @@ struct gd__legend {
     uint32_t layer_count;
     uint32_t width, height;
     double unit;
-    bool has_scale;       /* if requested, and the picture is large enough */
+    bool has_scale;       /* true if a scale is requested and the picture is large enough */
     uint32_t rows;        /* rows of names */
     bool is_over_surface; /* the surface may reach below the legend */
 };
 
-/* Sets the unit, and which parts the legend has, from the other members. */
+/* Computes the unit and the parts of the legend from the picture and the other members. */
 void gd__legend_plan(struct gd__legend *legend, const struct gd_picture *picture);
 
 /* Returns the viewport that remains for the surface. */

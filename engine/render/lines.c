@@ -49,8 +49,8 @@ static bool stands_for(const struct gd__lines *lines, uint32_t a, uint32_t b, do
     return true;
 }
 
-/* Simplifies greedily. After a kept place, the next kept place is the last one for which a single
- * segment approximates all places between the two. Writes in place, behind the read position. */
+/* The algorithm is greedy. After a kept place, it keeps the last place for which a single segment
+ * approximates all places between the two. The result overwrites places that were already read. */
 void gd__lines_simplify(struct gd__lines *lines, double tolerance)
 {
     enum { FARTHEST = 64 };

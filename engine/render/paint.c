@@ -4,8 +4,8 @@
 #include "render/canvas.h"
 
 /* Strokes and discs on an image. A pixel's coverage grows from 0, if its middle is half a pixel
- * outside the shape, to 1, if it is half a pixel inside. Where lines of one pen cross or join, they
- * cover a pixel only once. */
+ * outside the shape, to 1, if it is half a pixel inside. If several lines of one pen cross or join
+ * at a pixel, they cover the pixel only once. */
 
 enum { CHECK_INTERVAL = 256 }; /* segments */
 
@@ -137,7 +137,7 @@ static void paint_scale(struct gd__canvas *canvas, const struct gd__viewport *ar
     }
 }
 
-/* An image has no groups. */
+/* Does nothing, because an image has no groups. */
 static void paint_begin_layer(struct gd__canvas *canvas, uint32_t number)
 {
     (void)canvas;

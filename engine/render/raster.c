@@ -61,8 +61,8 @@ static bool make_patch(const struct gd__raster *raster, uint32_t face, struct pa
     return true;
 }
 
-/* Returns x of the edge from p down to q at height y, to the last bit the same for both faces of
- * the edge. */
+/* Returns the x coordinate at height y of the edge from p down to q. The result is the same to the
+ * last bit for both faces of the edge. */
 static double edge_at(struct gd__screen_point p, struct gd__screen_point q, double y)
 {
     return p.x + (y - p.y) * (((double)q.x - p.x) / ((double)q.y - p.y));

@@ -35,9 +35,9 @@ struct gd__raster {
     uint32_t *face; /* faces of those samples; GD_NONE means no face */
 };
 
-/* Opens a raster and lists the faces of its bands; if the surface is closed, without faces seen
- * from behind. The raster must be closed even after a failure. Errors: GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE. */
+/* Opens a raster and lists the faces of its bands; if the surface is closed, the lists omit faces
+ * that are seen from behind. The raster must be closed even after a failure. Errors: GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__raster_open(struct gd__raster *raster,
                                            const struct gd_control *control);
 void gd__raster_close(struct gd__raster *raster);

@@ -7,7 +7,7 @@
 #include "gd/result_file.h"
 #include "render/request.h"
 
-#define TOLERANCE 1e-4 /* of isolines, relative to the diagonal of the surface */
+#define TOLERANCE 1e-4 /* tolerance of isolines, relative to the diagonal of the surface */
 
 enum { NAME = 16 };
 

@@ -96,8 +96,8 @@ static double light_on(const struct gd__camera *camera, struct gd_vec3 normal)
            eye * fmax(0, towards);
 }
 
-/* Returns the fragment's coverage by the line of an edge, which is a pixel wide and fades as
- * triangles become small. */
+/* Returns the opacity of the lines of edges at the fragment. A line is a pixel wide, and fainter on
+ * small triangles. */
 static double edge_cover(const struct gd__shade *shade, const struct gd__fragment *fragment)
 {
     uint32_t v[3];
