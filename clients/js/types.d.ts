@@ -275,7 +275,7 @@ export type BatchSpline = {
   fields?: BatchFormerNames;
   geometry?: ("full" | "xyz" | "none");
   points: Point[];
-  /** Joins the last point to the first, which is not repeated. */
+  /** Joins the last point to the first. The list does not repeat the first point. */
   closed?: boolean;
   /** 0 uniform, 0.5 centripetal, 1 chordal. */
   alpha?: number;
@@ -739,8 +739,8 @@ export type CutLocusRequest = {
    */
   members?: ("sources" | "segments");
   /**
-   * Omits the lines whose angle, in radians, is smaller at all of their points. Lines whose angle
-   * is below 0.001 everywhere are always omitted.
+   * Omits the lines whose angle, in radians, is smaller than this value at all of their points.
+   * Lines whose angle is below 0.001 everywhere are always omitted.
    */
   min_angle?: number;
   /**
@@ -824,7 +824,7 @@ export type PictureCamera = {
   direction?: Vector;
   /** Upward direction; the default is y. */
   up?: Vector;
-  /** With 1 the whole surface fits. */
+  /** With 1 the figure shows the whole surface. */
   zoom?: number;
   /**
    * Position in the middle of a figure with a zoom above 1; by default the middle of the surface.
@@ -848,12 +848,13 @@ export type PictureSurfaceLayer = {
 };
 
 /**
- * Colours the surface by the distance from a set: of a mesh, any set; of a smooth surface, places.
- * On a mesh the distance is exact. On a smooth surface it is the exact distance on the mesh that
- * the figure draws: of a subdivision surface the discretization of its usual level, of a NURBS
- * surface a tessellation with about 40,000 triangles. The vertices of these meshes lie on the
- * surface, and the distance converges to that on the surface as the triangles get smaller. The
- * places become points of the mesh with the same parameters.
+ * Colours the surface by the distance from a set. On a mesh, any set is possible; on a smooth
+ * surface, the set consists of places. On a mesh the distance is exact. On a smooth surface it is
+ * the exact distance on the mesh that the figure draws. For a subdivision surface, this mesh is the
+ * discretization of the usual level; for a NURBS surface, a tessellation with about 40,000
+ * triangles. The vertices of the mesh lie on the surface. As the triangles get smaller, the
+ * distance converges to the distance on the surface. The places become points of the mesh with the
+ * same parameters.
  */
 export type PictureFieldLayer = {
   field: (Set | PictureLimitPlacesRequest | PicturePlacesRequest);
@@ -881,7 +882,7 @@ export type PictureIsolinesLayer = {
 /** The shortest path of `POST …/path`. */
 export type PicturePathLayer = {
   path: (PairRequest | LimitPairRequest | GeodesicRequest);
-  /** A ring at the start and a disc at the end. */
+  /** Draws a ring at the start and a disc at the end. */
   ends?: boolean;
   color?: PictureColor;
   width?: PictureWidth;
@@ -916,8 +917,8 @@ export type PictureSplineLayer = {
    */
   controls?: boolean;
   /**
-   * Draws the tangent (red), the normal (blue) and the binormal (green) at every sample whose
-   * number is a multiple of this one; 0 draws none.
+   * Draws the tangent (red), the normal (blue) and the binormal (green) at the samples whose
+   * numbers are multiples of this value; 0 draws none.
    */
   frames?: number;
   color?: PictureColor;
@@ -970,10 +971,11 @@ export type PictureCutLocusLayer = {
 export type PictureCutLayer = {
   cut: CutRequest;
   /**
-   * How far the pieces are moved, as a part of the diagonal of the mesh's bounding box. The piece
-   * with the largest area stays. Every other piece moves to the side to which it faces, that is,
-   * along the sum of the area vectors of its faces. If this sum is less than a tenth of the piece's
-   * area, as for a tube, the piece moves away from the middle of the largest one.
+   * The distance by which the pieces are moved, as a fraction of the diagonal of the mesh's
+   * bounding box. The piece with the largest area stays. Every other piece moves in the direction
+   * that it faces, which is the direction of the sum of its faces' area vectors. If this sum is
+   * less than a tenth of the piece's area, as for a tube, the piece moves away from the middle of
+   * the largest one.
    */
   apart?: number;
   color?: PictureColor;
@@ -1013,8 +1015,8 @@ export type PictureIsoparametricLayer = {
 };
 
 /**
- * The control points of a NURBS or subdivision surface, and the lines between neighbours: of a
- * subdivision surface, the edges of the control mesh.
+ * The control points of a NURBS or subdivision surface, and the lines between neighbours. On a
+ * subdivision surface, these lines are the edges of the control mesh.
  */
 export type PictureControlNetLayer = {
   control_net: PictureControlNet;
@@ -1255,7 +1257,7 @@ export type MeanAnswer = {
 /** At most one of `samples`, `tolerance` and `spacing`. */
 export type SplineCurve = {
   points: Point[];
-  /** Joins the last point to the first, which is not repeated. */
+  /** Joins the last point to the first. The list does not repeat the first point. */
   closed?: boolean;
   /** 0 uniform, 0.5 centripetal, 1 chordal. */
   alpha?: number;
@@ -1287,7 +1289,7 @@ export type SplineCurve = {
 /** At most one of `samples`, `tolerance`, `spacing` and `at`. */
 export type SplineRequest = {
   points: Point[];
-  /** Joins the last point to the first, which is not repeated. */
+  /** Joins the last point to the first. The list does not repeat the first point. */
   closed?: boolean;
   /** 0 uniform, 0.5 centripetal, 1 chordal. */
   alpha?: number;
@@ -2179,8 +2181,8 @@ export type TurnLimit = number;
 
 /**
  * Winding numbers [u, v] of a path. A path that begins at the parameters of its first end ends at
- * the parameters of its second end plus these numbers of periods. 0 in directions that are not
- * closed.
+ * the parameters of its second end plus these numbers of periods. The numbers are 0 in directions
+ * that are not closed.
  */
 export type Turns = [number, number];
 
