@@ -15,7 +15,7 @@
 
 struct proto_page {
     uint32_t limit; /* 1 to PROTO_PAGE_MOST */
-    /* the page starts after this item; NULL means from the first. Lives as long as the query
+    /* the page starts after this item; NULL: with the first item. Lives as long as the query
        string */
     const char *after;
     /* prefix of the names of all items; NULL means any name. Lives as long as the query string */

@@ -33,8 +33,8 @@ enum proto_method {
 #define PROTO_ROUTE_SEGMENTS 6
 #define PROTO_ROUTE_CAPTURES 2
 
-/* A former name of a path or of a query parameter. It works like its replacement, and the answer
- * carries a Deprecation header. */
+/* A former name of a path or of a query parameter. A request may use the former name instead of its
+ * replacement; the answer then has the header Deprecation. */
 struct proto_deprecation {
     const char *name, *replacement; /* for a path, its template */
     int64_t since;                  /* Unix time */

@@ -65,7 +65,7 @@ bool proto_decode_object(const json_t *value, const char *place, const char *con
 const json_t *proto_decode_member(const json_t *object, const char *place, const char *member,
                                   struct proto_problem *problem);
 
-/* Reads a required number (an index: integral, 0 to 2^32 - 2). */
+/* Read a required number, or a required index (an integer from 0 to 2^32 - 2). */
 bool proto_decode_number(const json_t *object, const char *place, const char *member, double *out,
                          struct proto_problem *problem);
 bool proto_decode_index(const json_t *object, const char *place, const char *member, uint32_t *out,

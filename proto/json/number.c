@@ -52,7 +52,7 @@ static size_t number_length(const char *text)
         if (exponent == 0) return 0;
         at += exponent;
     }
-    /* "0x10" is not 0 followed by other text */
+    /* rejects "0x10", of which only the 0 is a number */
     if (*at == 'x' || *at == 'X') return 0;
     return (size_t)(at - text);
 }

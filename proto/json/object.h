@@ -62,10 +62,11 @@ const json_t *proto_object_list(const struct proto_object *object, const struct 
 bool proto_object_one_of(const struct proto_object *object, const char *a, const char *b,
                          const char *refusal);
 
-/* Finds the form of an object. A form is present if the object has the member of its name. Sets
- * `*out` to the index of the first form of `forms` (NULL-terminated) that is present. If `members`,
- * a list of the members of all forms, is not NULL, only one form may be present. `refusal` is the
- * sentence of the problem if no form, or a second one, is present. */
+/* Finds the form of an object. `forms` has the names of the forms (NULL-terminated). A form is
+ * present if the object has the member of that name. Sets `*out` to the index of the first form
+ * that is present. If `members` is not NULL, it lists the members of all forms, and only one form
+ * may be present. `refusal` is the sentence of the problem if no form is present, or a second
+ * one. */
 bool proto_object_form(const struct proto_object *object, const char *const *members,
                        const char *const *forms, const char *refusal, unsigned *out);
 

@@ -1,6 +1,6 @@
 /* Parses JSON by jansson, whose parser does not check whether its buffer could grow: without memory
- * it loses characters silently or fails an assertion. Here the first failed allocation leaves the
- * parser by longjmp, and its blocks are freed. */
+ * it loses characters silently or fails an assertion. Therefore, in this file, the first failed
+ * allocation leaves the parser by longjmp, and the parser's blocks are freed. */
 #include "proto/json/decode.h"
 
 #include <setjmp.h>

@@ -112,8 +112,8 @@ bool proto_problem_limit(struct proto_problem *problem, uint64_t limit);
 /* Converts an engine failure into a problem; `detail` (may be NULL) gives sentence and elements.
  * Data statuses become invalid_mesh with the status' name as reason. GD_CANCELLED becomes draining,
  * because the daemon cancels a client's work only when it drains. A caller that cancels for another
- * reason sets its own problem. The text of a failed self-check is withheld. `status` is not GD_OK.
- * Returns false. */
+ * reason sets its own problem. The problem of a failed self-check does not contain the engine's
+ * text. `status` is not GD_OK. Returns false. */
 bool proto_problem_from_status(struct proto_problem *problem, enum gd_status status,
                                const struct gd_detail *detail);
 

@@ -14,8 +14,8 @@
  * time.
  *
  * A writer with a sink keeps a bounded buffer: it passes the buffer to the sink when more text
- * would not fit into `block` bytes. Only a single piece of text larger than a block grows the
- * buffer further.
+ * would not fit into `block` bytes. The buffer grows further only for a single piece of text that
+ * is larger than a block.
  *
  * A writer with an account takes bytes from the account before its buffer grows, and returns them
  * when the text is freed. Buffers up to PROTO_WRITER_SMALL bytes are not counted. */

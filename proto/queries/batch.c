@@ -169,8 +169,8 @@ size_t proto_batch_begin(struct proto_writer *writer)
     return begin;
 }
 
-/* Joins the answer to the status: the answer's opening brace becomes a comma. An answer that is an
- * empty object becomes the closing brace. */
+/* Joins the status and the answer to one object: the answer's opening brace becomes a comma. If the
+ * answer is an empty object, the closing brace replaces it. */
 void proto_batch_end(struct proto_writer *writer, size_t begin)
 {
     if (writer->failure) return;

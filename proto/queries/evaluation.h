@@ -21,7 +21,7 @@ struct proto_result {
     struct gd_direction gradient;
 };
 
-/* Writes a result. Without a distance all members are null. */
+/* Writes a result. If there is no distance, all members are null. */
 void proto_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                          const struct proto_located_set *set, const struct proto_result *result,
                          uint32_t wanted, enum proto_geometry geometry);

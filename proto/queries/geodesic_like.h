@@ -46,8 +46,8 @@ struct proto_geodesic_answer {
 uint32_t proto_geodesic_knots(const struct gd_geodesic *path, double *out);
 uint32_t proto_geodesic_control_points(const struct gd_geodesic *path, double (*out)[2]);
 
-/* Returns the number of points to sample on a path: one if its ends coincide. Errors: those of
- * gd_geodesic_sample. */
+/* Returns the number of points to sample on a path, which is one if the path's ends coincide.
+ * Errors: those of gd_geodesic_sample. */
 uint32_t proto_geodesic_sample_count(const struct proto_geodesic *request,
                                      const struct gd_geodesic *path);
 GD_MUST_USE enum gd_status proto_geodesic_sample(const struct proto_geodesic_answer *answer,

@@ -30,9 +30,9 @@ bool proto_isolines_parse(const struct proto_parameters *parameters, struct prot
                           struct proto_problem *problem);
 void proto_isolines_free(struct proto_isolines *isolines); /* may be called repeatedly */
 
-/* Completes the request for its field. A count n becomes n levels evenly between 0 and the field's
- * maximum (its max_distance if that is unknown), both excluded. No level may exceed max_distance.
- * Problems: invalid_request, insufficient_memory. */
+/* Completes the request for its field. A count n becomes n levels at equal steps between 0 and the
+ * field's maximum, without these two ends. If the maximum is unknown, max_distance replaces it. No
+ * level may exceed max_distance. Problems: invalid_request, insufficient_memory. */
 bool proto_isolines_settle(struct proto_isolines *isolines,
                            const struct proto_field_description *field,
                            struct proto_problem *problem);

@@ -28,9 +28,9 @@ bool proto_foot_parse(const struct proto_parameters *parameters, struct proto_po
 bool proto_foot_check(const struct proto_point *wanted, double distance,
                       struct proto_problem *problem);
 
-/* Writes the selected fields of one point. Normal and curvatures are null where the derivatives are
- * parallel. Where a limit jet is singular, du and dv are unit vectors, second derivatives and
- * curvatures are null, and "singular" is true. The tip of a spike has no normal. */
+/* Writes the selected fields of one point. If the derivatives at the point are parallel, normal and
+ * curvatures are null. Where a limit jet is singular, du and dv are unit vectors, second
+ * derivatives and curvatures are null, and "singular" is true. The tip of a spike has no normal. */
 void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet,
                       const struct proto_options *options);
 void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_jet *jet,

@@ -13,7 +13,7 @@
 struct proto_limit_trace { /* all zero: empty */
     struct proto_limit_trace_request request;
     struct gd_limit_point start;
-    uint32_t count; /* number of directions, given or of the fan */
+    uint32_t count; /* number of directions that the request lists, or of its fan */
     uint32_t level; /* level of the mesh, if the trace is not on the smooth surface */
 };
 
@@ -41,7 +41,7 @@ struct gd_vec3 proto_limit_trace_direction(const struct proto_limit_trace *trace
                                            const struct gd_limit_jet *start, uint32_t i);
 
 /* Writes a traced path on the mesh, with points of the mesh, or on the surface itself. `end` is the
- * surface's jet at the path's end. Points by the geometry as in path.h. */
+ * surface's jet at the path's end. The geometry selects the form of points, as in path.h. */
 void proto_limit_trace_encode_mesh(struct proto_writer *writer, const struct gd_limit_mesh *fine,
                                    const struct gd_trace *trace, const struct gd_limit_jet *end,
                                    enum proto_geometry geometry);
@@ -57,8 +57,8 @@ struct proto_limit_pair {
 bool proto_limit_pair_decode(const json_t *document, const struct gd_subdivision *surface,
                              struct proto_limit_pair *out, struct proto_problem *problem);
 
-/* Writes the answer. `ends` are the surface's points at the two ends. Without a path, distances and
- * path are null, with the reason no_path. */
+/* Writes the answer. `ends` are the surface's points at the two ends. If there is no path,
+ * distances and path are null, and the reason is no_path. */
 void proto_limit_pair_encode(struct proto_writer *writer, const struct proto_limit_pair *wanted,
                              const struct gd_vec3 ends[2], const struct gd_limit_shortest *found,
                              const struct proto_options *options);

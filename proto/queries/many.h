@@ -1,6 +1,6 @@
-/* Many: a batch of POST /v1/batches, whose items any daemon may process. Each item is a separate
- * query: for "all-pairs" the distances from one vertex to all, for "fields" the field on one
- * mesh. */
+/* Many: a batch of POST /v1/batches. Any daemon of the store may process its items. Each item is a
+ * separate query: for "all-pairs" the distances from one vertex to all, for "fields" the field on
+ * one mesh. */
 #ifndef PROTO_MANY_H
 #define PROTO_MANY_H
 
@@ -35,8 +35,8 @@ void proto_many_free(struct proto_many *many); /* accepts all zero */
 /* Returns the name of an item's mesh, borrowed. */
 const char *proto_many_mesh(const struct proto_many *many, uint32_t item);
 
-/* Returns the item's request path after "/v1/meshes/{name}/", a static string, and writes its body
- * to an initialized writer. */
+/* Returns the part of the item's request path after "/v1/meshes/{name}/", a static string. Writes
+ * the body of the item's request to an initialized writer. */
 const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct proto_writer *body);
 
 /* --- a page of answers ------------------------------------------------------------------------ */

@@ -9,7 +9,7 @@
 #include "proto/json/writer.h"
 
 struct proto_nurbs_options {
-    bool has_convention;              /* true if `convention` is used for a file that names none */
+    bool has_convention;              /* `convention` applies to files that name none */
     unsigned convention;              /* enum gd_nurbs_convention */
     const struct gd_control *control; /* control of the reading; borrowed; may be NULL */
 };

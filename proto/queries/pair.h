@@ -19,8 +19,8 @@ bool proto_pair_decode(const json_t *document, struct proto_points *out,
 bool proto_pair_parse(const struct proto_parameters *parameters, struct proto_points *out,
                       struct proto_problem *problem);
 
-/* Writes the answer. Without a path, distance and path are null, with the reason no_path. The
- * answer contains "via" only if the request does. */
+/* Writes the answer. If there is no path, distance and path are null, and the reason is no_path.
+ * The answer contains "via" only if the request does. */
 void proto_pair_encode(struct proto_writer *writer, const struct proto_located_points *stops,
                        const struct gd_pair_answer *answer, const struct proto_options *options);
 

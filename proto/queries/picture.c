@@ -233,7 +233,8 @@ static bool is_single(unsigned form)
     return form <= PROTO_PICTURE_LAYER_ISOLINES || form == PROTO_PICTURE_LAYER_CUT;
 }
 
-/* Reads the layers that belong to the surface, of which there is at most one each. */
+/* Reads the layers that belong to the surface itself. A figure has at most one layer of each of
+ * these kinds. */
 static bool take_layers(struct proto_picture *out, struct proto_problem *problem)
 {
     const struct proto_picture_layer *found[PROTO_PICTURE_LAYER_CUT + 1] = {NULL};

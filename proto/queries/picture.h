@@ -15,7 +15,7 @@ struct proto_picture {
     bool has_source;
     struct proto_point source;
     struct proto_points stops;            /* stops of the path: at least two, or none */
-    struct proto_picture_request request; /* of a figure */
+    struct proto_picture_request request; /* set for a figure */
     struct gd_vec3 target;
 };
 

@@ -29,7 +29,7 @@ bool proto_subdivision_refuse(enum gd_status status, const struct gd_detail *det
     proto_problem_from_status(problem, status, detail);
     if (!is_flaw) return false;
     struct proto_problem flaw;
-    proto_problem_from_status(&flaw, GD_INDEX, detail); /* with the elements, as for any file */
+    proto_problem_from_status(&flaw, GD_INDEX, detail); /* with the elements of `detail` */
     flaw.reason = gd_status_name(status);
     *problem = flaw;
     return false;

@@ -27,8 +27,8 @@ bool proto_subdivision_read(const void *bytes, size_t size,
                             const struct gd_read_options *limits, struct gd_control_mesh *out,
                             enum gd_scheme *scheme, struct proto_problem *problem);
 
-/* Fills in the problem of a readable control mesh that is not a surface. A reference to a missing
- * element is a flaw of the file. Returns false. */
+/* Fills in the problem of a readable control mesh that is not a surface. If a reference names a
+ * missing element, the problem is that of a faulty file. Returns false. */
 bool proto_subdivision_refuse(enum gd_status status, const struct gd_detail *detail,
                               struct proto_problem *problem);
 

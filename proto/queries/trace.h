@@ -13,7 +13,7 @@
 /* Returns the name of a trace's end, a static string. */
 const char *proto_trace_end_name(enum gd_trace_end end);
 
-/* Writes a trace; points by the geometry as in path.h. */
+/* Writes a trace. The geometry selects the form of points, as in path.h. */
 void proto_trace_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                         const struct gd_trace *trace, enum proto_geometry geometry);
 

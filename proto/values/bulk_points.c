@@ -117,7 +117,7 @@ bool proto_bulk_point(struct proto_bulk_text *points, struct proto_point *out)
     return ok && bulk_take(points, '}') && (bulk_take(points, ',') || bulk_take(points, ']'));
 }
 
-/* Each point ends with the only closing brace that it has. */
+/* A point has only one closing brace, which is its end. */
 uint32_t proto_bulk_split(struct proto_bulk_text *text, uint32_t most,
                           struct proto_bulk_text *points, bool *is_last)
 {

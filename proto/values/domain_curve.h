@@ -1,7 +1,7 @@
-/* Domain curve: a polyline, a B-spline or an iso line in the parameter domain of a surface. The
- * parameter of a polyline is the corners' numbers, that of a B-spline is given by the knots, and
- * that of an iso line is the other coordinate. struct proto_domain_curve is in
- * generated/requests.h. */
+/* Domain curve: a polyline, a B-spline or an iso line in the parameter domain of a surface. On a
+ * polyline, the parameter is the number of the corner. On a B-spline, the knots give the parameter.
+ * On an iso line, the parameter is the coordinate that is not constant. struct proto_domain_curve
+ * is in generated/requests.h. */
 #ifndef PROTO_DOMAIN_CURVE_H
 #define PROTO_DOMAIN_CURVE_H
 
@@ -17,7 +17,7 @@ bool proto_domain_curve_decode_member(const json_t *document, const char *member
 bool proto_domain_curve_decode_point(const json_t *document, const char *member,
                                      struct proto_domain_curve *out, struct proto_problem *problem);
 
-/* Makes the curve on its surface. An open polyline that is to be closed gets its first corner
+/* Makes the curve on its surface. If the request closes an open polyline, the first corner is
  * appended. Problems: invalid_request; point_not_on_surface (with the point outside the domain);
  * insufficient_memory; those of `control`, which may be NULL. The caller releases `*out`. Cost:
  * about 30 evaluations for each span, and 60 for each crossing of a line where the surface is not

@@ -61,15 +61,16 @@ struct proto_mesh_options {
 bool proto_mesh_options_parse(const struct proto_parameters *parameters,
                               struct proto_mesh_options *out, struct proto_problem *problem);
 
-/* Returns the format of uploaded bytes. It is that of the options; if they have none, the format
- * recognized from the bytes; if none is recognized, that of Content-Type (may be NULL). If there is
- * none either, returns GD_FORMAT_ANY, for which gd_read_polygons fails with GD_UNRECOGNIZED. */
+/* Returns the format of uploaded bytes. The format comes from the first of these sources that names
+ * one: the options, the bytes (if their format is recognized), Content-Type (may be NULL). If none
+ * names a format, returns GD_FORMAT_ANY, for which gd_read_polygons fails with GD_UNRECOGNIZED. */
 enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options, const void *bytes,
                                         size_t size, const char *content_type);
 
-/* Chooses the format of a download: that of ?format=obj|ply|off|stl|glb|gltf or, without this
- * parameter, the best of these by the Accept header (may be NULL). In a tie chooses OBJ. Rejects
- * any other parameter. Problems: invalid_request, not_acceptable. */
+/* Chooses the format of a download. The parameter ?format=obj|ply|off|stl|glb|gltf names it.
+ * Without this parameter, chooses the one of these formats that the Accept header (may be NULL)
+ * prefers. In a tie chooses OBJ. Rejects any other parameter. Problems: invalid_request,
+ * not_acceptable. */
 bool proto_mesh_content_format(const struct proto_parameters *parameters, const char *accept,
                                enum gd_format *out, struct proto_problem *problem);
 

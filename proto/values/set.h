@@ -9,7 +9,7 @@
 #include "proto/values/point.h"
 
 #define PROTO_SET_MEMBERS 65536
-/* most named curves and boundaries, and most boundaries selected by "all" */
+/* limit on the curves and boundaries that a set names, and on the boundaries that "all" selects */
 #define PROTO_SET_CURVES 4096
 #define PROTO_SET_LABEL  128 /* bytes of UTF-8 */
 /* the same limit as for coordinates, so that sums with distances stay finite */
@@ -29,7 +29,7 @@ struct proto_set {
     struct proto_point *points;        /* owned, as all arrays */
     struct proto_curve *curves;
     struct proto_naming *namings; /* one for each point, then one for each curve */
-    bool all_boundaries;          /* true if all boundaries are members, too, after the others */
+    bool all_boundaries;          /* all boundaries of the mesh follow as further members */
     json_t *document;             /* retained, because it contains the labels */
 };
 
@@ -51,7 +51,7 @@ void proto_set_free(struct proto_set *set); /* may be called repeatedly */
 /* Returns true if the set has only points. Locating it then takes microseconds. */
 bool proto_set_is_quick(const struct proto_set *set);
 
-/* A set on its mesh, in one piece of memory: free it by free(). Equal seeds are equal bytes. */
+/* A set on its mesh, in one allocation, which free() frees. Equal seeds have equal bytes. */
 struct proto_located_set {
     uint32_t count; /* members */
     uint32_t seed_count;

@@ -65,7 +65,7 @@ struct proto_spline_frame {
     double speed;
 };
 
-/* Writes the answer; `frames`: with a frame for each sample. */
+/* Writes the answer. If `frames` is true, the answer has a frame for each sample. */
 void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                          const struct gd_spline *spline, const struct gd_spline_line *line,
                          bool frames, const struct proto_options *options);

@@ -80,8 +80,8 @@ bool proto_vector_check(const json_t *value, const char *place, struct proto_pro
     return proto_decode_flag(value, place, "cut_locus", &is_cut, problem);
 }
 
-/* Returns whether the vector exists. log answers null for a vertex without faces, and null
- * direction and length if there is no path. */
+/* Returns whether the vector exists. An answer of log has null for a vertex without faces. If there
+ * is no path, the direction and the length are null. */
 static bool exists(const json_t *value)
 {
     const json_t *direction = json_object_get(value, "direction"),

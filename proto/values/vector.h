@@ -1,6 +1,6 @@
 /* Vector: tangent vectors in requests and answers, and the requests of exp, log and transport.
- * exp traces a vector's segments, if any; transport and combine use the vector's direction and
- * length. */
+ * If a vector has segments, exp traces them. transport and combine use the vector's own direction
+ * and length. */
 #ifndef PROTO_VECTOR_H
 #define PROTO_VECTOR_H
 
@@ -19,8 +19,9 @@ struct proto_segment {
     double length;
 };
 
-/* The vectors of a request. Vector i has the segments first[i] to first[i + 1] - 1; without
- * segments no path leads to its target. All zero is an empty list. */
+/* The vectors of a request. Vector i has the segments first[i] to first[i + 1] - 1; a vector
+ * without segments is a result of log for a target to which no path leads. All zero is an empty
+ * list. */
 struct proto_vectors {
     struct proto_segment *segments;
     uint32_t *first; /* count + 1 */
