@@ -49,7 +49,7 @@ const char *server_grant_tenant(const struct server_grant *grant);
 
 /* Returns whether the grant may change jobs, batches and fields that the given key of its tenant
  * made. A key with the role write may change what any key of its tenant made. Any other key may
- * change only what it made itself. False if the error is forbidden. */
+ * change only what it made itself. Otherwise returns false with the problem forbidden. */
 bool server_grant_may_change(const struct server_grant *grant, const char *key,
                              struct proto_problem *problem);
 
@@ -57,12 +57,12 @@ bool server_grant_may_change(const struct server_grant *grant, const char *key,
 bool server_grant_is_operator(const struct server_grant *grant);
 
 /* Copies the grant. From then on `to`, instead of `from`, counts as a concurrent request. The
- * caller ends both. */
+ * caller must end both grants. */
 void server_grant_pass(struct server_grant *from, struct server_grant *to);
 void server_grant_end(struct server_grant *grant);
 
-/* Appends the numbers of requests and refusals of a tenant's keys; `tenant` NULL: of all keys.
- * `access` may be NULL. */
+/* Appends the numbers of requests and refusals of a tenant's keys. If `tenant` is NULL, appends
+ * those of all keys. `access` may be NULL. */
 void server_access_write(struct server_access *access, const char *tenant,
                          struct proto_writer *writer);
 

@@ -23,7 +23,7 @@
 #include "server/base/error.h"
 #include "server/base/sha256.h"
 
-#define SERVER_CREDENTIAL_NAME 65 /* with the NUL */
+#define SERVER_CREDENTIAL_NAME 65 /* bytes, with the NUL */
 /* people, and scanners for secrets, recognise a key by this prefix */
 #define SERVER_CREDENTIAL_PREFIX "gdk_"
 #define SERVER_CREDENTIALS_MOST  10000

@@ -196,7 +196,8 @@ static const char *const fatal_calls[] = {
     "reboot", NULL};
 
 /* A call that is allowed if all its conditions hold. The kernel runs the filter only for these
- * calls. Without a database, requests that are answered from memory make none of them. */
+ * calls. If the daemon has no database, requests that are answered from memory make none of these
+ * calls. */
 struct rule {
     int call;
     enum { ALWAYS, ALONE, CONNECTING } when; /* ALONE: without a database; CONNECTING: with one */
@@ -213,7 +214,7 @@ static const struct rule rules[] = {
     /* memory is not executable */
     {SCMP_SYS(mmap), ALWAYS, 1, {{2, WITHOUT, PROT_EXEC, 0}}},
     {SCMP_SYS(mprotect), ALWAYS, 1, {{2, WITHOUT, PROT_EXEC, 0}}},
-    /* no setuid files; the umask, which can't be changed any more, clears the other mode bits */
+    /* no setuid files; the umask, which can't be changed any more, clears further mode bits */
     {SCMP_SYS(open), ALWAYS, 1, {{2, WITHOUT, SPECIAL_BITS, 0}}},
     {SCMP_SYS(openat), ALWAYS, 1, {{3, WITHOUT, SPECIAL_BITS, 0}}},
     {SCMP_SYS(mkdir), ALWAYS, 1, {{1, WITHOUT, SPECIAL_BITS, 0}}},

@@ -6,21 +6,23 @@
  * server_sandbox_enter runs before the first thread and after the TCP port is bound.
  * - No new privileges: an exec gains none by setuid.
  * - No capabilities: a daemon that runs as root reads only files whose mode lets root read them.
- * - Landlock (Linux 5.19), which each thread inherits:
- *   - the data folder: everything but devices, sockets, symbolic links and running programs;
- *   - the folders of files that SIGHUP reads again, and of the files that links lead to: reading;
- *   - the folder of a unix socket: making and removing sockets;
+ * - Landlock (Linux 5.19) restricts each thread to these actions:
+ *   - in the data folder: all actions except making devices, sockets, FIFOs and symbolic links, and
+ *     except running programs;
+ *   - in the folders of files that SIGHUP reads again, and in the folders of the files to which
+ *     these link: reading;
+ *   - in the folder of a unix socket: making and removing sockets;
  *   - TCP (Linux 6.7): no further port, and connections only to the ports of a database;
  *   - files of a database (certificates, passwords, the files that resolve names): reading;
  *   - signals and abstract sockets (Linux 6.12): none to other processes.
  *
  * server_sandbox_seal runs once the daemon listens. Seccomp allows the system calls of a running
- * daemon, some of them with certain arguments only. Other calls fail with ENOSYS, so that a library
- * falls back from a newer call. Calls that only an attacker makes (exec, ptrace, mount, modules)
- * end the process. The daemon then can't create a thread, a process or (without a database) a
- * socket. It can't map executable memory, set a setuid bit, or change a file's mode, owner or
- * times. It can't change signals, priority or limits of another process. The filter can't see
- * paths: stat(2) still shows whether a file exists. */
+ * daemon, some of them with certain arguments only. Other calls fail with ENOSYS. A library that
+ * tries a newer call then uses an older one instead. Calls that only an attacker makes (exec,
+ * ptrace, mount, modules) end the process. The daemon then can't create a thread, a process or
+ * (without a database) a socket. It can't map executable memory, set a setuid bit, or change a
+ * file's mode, owner or times. It can't change signals, priority or limits of another process. The
+ * filter can't check paths, so stat(2) still shows whether a file exists. */
 #ifndef SERVER_ACCESS_SANDBOX_H
 #define SERVER_ACCESS_SANDBOX_H
 
@@ -35,7 +37,8 @@ struct server_sandbox_needs {
     const char *files[3];                 /* SIGHUP rereads them; must exist */
     const struct server_address *address; /* where the daemon will listen */
     const char *database;                 /* address of a PostgreSQL database */
-    /* Enumerate the ports and the files that a connection to the database uses. False if error. */
+    /* Visit each port, or each file, that a connection to the database uses. Return false on
+       failure. */
     bool (*each_port)(const char *database, bool (*visit)(void *user, uint16_t port), void *user);
     bool (*each_file)(const char *database, void (*visit)(void *user, const char *file),
                       void *user);
@@ -49,8 +52,8 @@ struct server_sandbox {
     const char *new_privileges, *capabilities, *landlock, *seccomp;
 };
 
-/* The first step. With `needs` NULL there is no sandbox, nor in builds with AddressSanitizer or
- * ThreadSanitizer, because these read /proc. */
+/* The first step. There is no sandbox if `needs` is NULL. There is none in builds with
+ * AddressSanitizer or ThreadSanitizer either, because these read /proc. */
 struct server_sandbox server_sandbox_enter(const struct server_sandbox_needs *needs);
 
 /* The second step. Logs the parts that are on, and the reasons why others are off. */
