@@ -251,7 +251,8 @@ const struct server_query_kind server_query_curve = {.name = "curve",
 
 /* --- cuts ------------------------------------------------------------------------------------- */
 
-/* A worker cuts and builds the pieces, the registry's writer stores them, a worker answers. */
+/* A worker cuts the mesh and builds the pieces. The registry's writer thread stores them. Then a
+ * worker writes the answer. */
 
 #define CUT_BYTES_AN_EDGE 320 /* bytes of a search for the curve, or of the cut and its pieces */
 #define CUT_BYTES         ((size_t)1 << 20)
@@ -435,8 +436,8 @@ static bool cut_list_map(struct cut_query *cut, bool is_of_faces)
     return true;
 }
 
-/* Lists the pieces as one mesh, for a figure: positions and corners, and the index among them where
- * each piece begins. */
+/* Lists the pieces as one mesh, for a figure: positions, corners, and the indices of the first
+ * position and of the first corner of each piece. */
 static bool cut_list_mesh(struct cut_query *cut)
 {
     struct server_query *query = &cut->own.query;

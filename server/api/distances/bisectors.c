@@ -12,8 +12,8 @@
 #include "server/query/result.h"
 
 #define BYTES_A_TRACE ((size_t)1 << 20)
-#define LINE_POINTS   500000 /* most points of an answer */
-#define CORNER        1e-6   /* radians by which a curve turns at a corner */
+#define LINE_POINTS   500000 /* limit on the points of an answer */
+#define CORNER        1e-6   /* a curve has a corner where it turns by more than this, in radians */
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
@@ -25,9 +25,9 @@ struct lines_query {
 
 /* The constants of a kind of query (`own`). */
 struct tracer {
-    const char *what, *noun, *advice; /* of problems */
-    size_t bytes_an_edge;             /* for each edge of the mesh while lines are traced */
-    size_t bytes_a_wedge;             /* and for each wedge of the field */
+    const char *what, *noun, *advice; /* parts of the sentences of problems */
+    size_t bytes_an_edge;             /* memory for each edge of the mesh while lines are traced */
+    size_t bytes_a_wedge;             /* memory for each wedge of the field meanwhile */
     enum gd_status (*trace)(struct lines_query *own, const struct gd_field *field,
                             const uint32_t *members, const struct gd_control *control);
 };

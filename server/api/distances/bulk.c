@@ -1,11 +1,11 @@
 /* Bulk: the distances of many pairs of points, and the nearest points of many points. Requests and
- * answers are JSON or arrays (arrays.h).
+ * answers have the form of JSON or of arrays (arrays.h).
  *
  * DESIGN. All idle workers locate the points of a request. Pairs are sorted by the end (from or to)
  * with fewer different points; the pairs of one such point are a group. If the point has a cached
  * field, its group is evaluated in pieces, in parallel. Small groups without a cached field are
- * searched pair by pair. For a large group without one, a field is built and dropped. These groups
- * run in parallel, too. */
+ * searched pair by pair. For a large group without a cached field, a field is built and dropped
+ * afterwards. Groups without a cached field run in parallel, too. */
 #include "server/query/handlers.h"
 
 #include <math.h>

@@ -40,7 +40,7 @@ static bool evaluation_is_quick(const struct evaluation *evaluation)
            gd_mesh_summary(evaluation->query.surface->mesh)->faces <= QUICK_PATH_FACES;
 }
 
-/* Locates the points, and frees the unlocated ones. */
+/* Locates the points of the request, then frees `points`. */
 static bool evaluation_locate(struct server_query *query, struct proto_points *points,
                               uint32_t wanted)
 {

@@ -26,7 +26,8 @@
 #define NDJSON "application/x-ndjson"
 /* limit on the bytes of collected answers; later lines are refused */
 #define ANSWER_MOST ((size_t)64 << 20)
-/* with more bytes of collected answers, they are passed to the stream even before a quick line */
+/* if more bytes of answers are collected, they are passed to the stream, even before a quick
+ * line */
 #define FLUSH_BYTES 65536
 
 struct batch {

@@ -46,8 +46,8 @@ void server_handle_get_livez(struct server_exchange *exchange)
 }
 
 /* Reports readiness. A daemon with a read-only store is ready, because it still answers queries. A
- * daemon whose shared store can't be reached is ready, too, because other daemons are in the same
- * state, and surfaces in memory can still be queried. */
+ * daemon whose shared store can't be reached is ready, too, because surfaces in memory can still be
+ * queried, and because the other daemons can't reach the store either. */
 void server_handle_get_readyz(struct server_exchange *exchange)
 {
     const char *reason = server_registry_health(exchange->host->api->registry);

@@ -1,5 +1,6 @@
 /* Levels: builds the discretization of a level of a subdivision surface before a query needs it. A
- * worker builds what is missing. The cache keeps and counts it like one that a query built. */
+ * worker builds the missing grid or mesh. The cache keeps and counts this discretization like one
+ * that a query built. */
 #include "server/api/smooth/smooth.h"
 
 #include "proto/json/writer.h"
@@ -11,7 +12,7 @@
 struct level {
     struct server_query query; /* must be the first member */
     struct proto_limit_level wanted;
-    size_t bytes; /* of all that the request names */
+    size_t bytes; /* of all discretizations that the request names */
     struct gd_detail detail;
 };
 
@@ -21,7 +22,7 @@ static bool level_decode(struct server_query *query, const json_t *document)
                                      &((struct level *)query)->wanted, query->problem);
 }
 
-/* Builds the grid or the mesh, as the fraction `share` of the query's work after `begun`. */
+/* Builds the grid or the mesh. This is the part [begun, begun + share] of the query's progress. */
 static enum gd_status level_build(struct level *level, bool wants_grid, double begun, double share)
 {
     struct server_query *query = &level->query;

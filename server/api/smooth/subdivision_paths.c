@@ -12,8 +12,8 @@
 #include "server/query/handlers.h"
 #include "server/surfaces/kinds.h"
 
-#define SEARCH_BYTES   ((size_t)4 << 20) /* includes the traces that straighten the path */
-#define BYTES_PER_EDGE 224               /* the same as for a search on any mesh (query.c) */
+#define SEARCH_BYTES   ((size_t)4 << 20) /* a search, with the traces that straighten the path */
+#define BYTES_PER_EDGE 224               /* as for a search on any mesh (query.c) */
 #define TRACE_BYTES    ((size_t)1 << 20) /* bytes of one trace on the smooth surface */
 /* bytes of a segment of a path that stops where it meets itself */
 #define SEGMENT_BYTES 40

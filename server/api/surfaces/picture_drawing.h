@@ -16,7 +16,7 @@ struct server_picture_layers {                                     /* all zero: 
     struct proto_domain_curve curves[PROTO_PICTURE_REQUEST_LAYERS_MOST];
     bool has_set;    /* the figure's query names the set of a field */
     uint32_t next;   /* first part to solve */
-    bool is_begun;   /* that part's try_inline ran */
+    bool is_begun;   /* true if try_inline of that part was called */
     uint64_t points; /* of all layers so far */
     struct gd_picture_layer drawn[GD_PICTURE_LAYERS];
     uint32_t count;

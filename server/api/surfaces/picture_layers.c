@@ -11,19 +11,20 @@
 #include "server/api/surfaces/picture_pieces.h"
 #include "server/surfaces/kinds.h"
 
-#define FRAME_LENGTH  0.04 /* of the vectors of a frame, relative to the surface's diagonal */
+#define FRAME_LENGTH  0.04 /* length of a frame's vectors, relative to the surface's diagonal */
 #define CONTROL_WIDTH 1.2
 #define FRAME_WIDTH   1.4
 
 enum { MARKS_MOST = 10000 }; /* points of a layer */
 
-/* How a kind of surface draws layers of one form; all zero: it has no such layers. */
+/* The rule by which a kind of surface draws the layers of one form. All zero: this kind of surface
+ * has no such layers. */
 struct layer_rule {
     bool is_known;
     const struct server_query_kind *kind; /* operation whose answer is drawn; NULL: none */
     const char *const *fields;            /* fields of this answer that are read */
     const char *select;                   /* the fields that have lines; NULL: all */
-    const char *wrapped;                  /* the operation's member for the layer's body */
+    const char *wrapped;                  /* operation's member that receives the layer's body */
 };
 
 #define OWN                                                                                        \
@@ -87,7 +88,8 @@ static const struct layer_rule *rules_of(const struct server_query *query)
     return kind == &server_kind_nurbs ? nurbs_rules : mesh_rules;
 }
 
-/* Refuses a layer of another kind of surface; the sentence lists the layers of this one. */
+/* Refuses a layer that only other kinds of surfaces have. The sentence of the problem lists the
+ * layers of this kind. */
 static bool rule_check(const struct server_query *query, const struct proto_picture_layer *layer)
 {
     const struct layer_rule *rules = rules_of(query);
@@ -404,7 +406,7 @@ static bool own_draw(struct server_picture_layers *layers, struct server_query *
     case PROTO_PICTURE_LAYER_CONTROL_NET:
         ok = server_control_net_draw(layers, query, i);
         break;
-    default: /* belongs to the surface */
+    default: /* layers of the surface itself */
         return true;
     }
     return ok || problem_place(layers, i, query);

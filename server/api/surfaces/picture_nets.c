@@ -8,9 +8,9 @@
 #define ISO_WIDTH  1.0
 
 enum {
-    ISO_POINTS = 193,  /* of a line of constant u or v */
-    ISO_HALVINGS = 40, /* of the interval in which such a line leaves the domain */
-    CURVE_STEPS = 1024 /* of a curve in the domain; of a polyline at least this many */
+    ISO_POINTS = 193,  /* points of a line of constant u or v */
+    ISO_HALVINGS = 40, /* halvings of the interval in which such a line leaves the domain */
+    CURVE_STEPS = 1024 /* steps of a curve in the domain; at least this many for a polyline */
 };
 
 /* --- lines of constant parameters ------------------------------------------------------------- */

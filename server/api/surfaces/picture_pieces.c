@@ -5,8 +5,9 @@
 
 #include "gd/curve.h"
 
-/* A piece whose faces' area vectors have a sum below this part of its area has no side to which it
- * faces: it is closed or nearly a tube. */
+/* A piece faces the direction of the sum of its faces' area vectors. If the sum is shorter than
+ * this fraction of the piece's area, the piece faces no direction; for example, it is closed or a
+ * tube. */
 #define FLAT_LEAST 0.1
 
 struct piece {
@@ -55,8 +56,8 @@ static struct gd_vec3 piece_middle(const struct piece *piece)
     return gd_vec3_scale(gd_vec3_add(piece->low, piece->high), 0.5);
 }
 
-/* Moves piece i by `distance` to the side to which it faces, or else away from the middle of the
- * largest piece. */
+/* Moves piece i by `distance` in the direction that it faces. A piece that faces no direction is
+ * moved away from the middle of the largest piece. */
 static void piece_move(const struct pieces *pieces, uint32_t i, struct gd_vec3 middle,
                        double distance)
 {

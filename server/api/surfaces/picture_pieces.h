@@ -1,5 +1,5 @@
-/* Picture pieces: the layer `cut` of a figure. The pieces of a cut, apart from each other, replace
- * the surface, and their boundaries are lines. */
+/* Picture pieces: the layer `cut` of a figure. The pieces of a cut are moved apart and replace the
+ * surface. Their boundaries are drawn as lines. */
 #ifndef SERVER_API_SURFACES_PICTURE_PIECES_H
 #define SERVER_API_SURFACES_PICTURE_PIECES_H
 

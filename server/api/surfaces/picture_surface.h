@@ -8,8 +8,8 @@
 #include "server/fields/discretizations.h"
 #include "server/query/query.h"
 
-struct server_picture_surface {                   /* all zero: nothing is known yet */
-    const struct gd_mesh *mesh;                   /* the surface's, or the mesh of one of these: */
+struct server_picture_surface {                   /* all zero: nothing is computed yet */
+    const struct gd_mesh *mesh;                   /* the surface's own, or that of a member below */
     struct server_discretization *discretization; /* of a subdivision surface */
     struct gd_tessellation *tessellation;         /* of a NURBS surface */
     struct gd_mesh *pieces;                       /* of a cut */
