@@ -35,7 +35,7 @@ enum server_inflate_outcome {
     SERVER_INFLATE_STOPPED
 };
 
-/* NULL means out of memory. */
+/* Returns NULL if out of memory. */
 struct server_inflater *server_inflater_create(void);
 void server_inflater_destroy(struct server_inflater *inflater); /* NULL is allowed */
 

@@ -244,7 +244,8 @@ static void write_lines(void *user, struct server_thread *thread)
     }
 }
 
-/* Appends a line under the lock. The first line of a text and an urgent line wake the thread. */
+/* Appends a line under the lock. Wakes the thread for the first line in an empty buffer, for an
+ * urgent line, and when the buffer has GATHERED_DUE bytes. */
 static void line_gather(const struct server_log_line *line, bool is_urgent)
 {
     struct text *text = output.gathering;

@@ -32,7 +32,7 @@ bool server_sha256_check(const char *text)
     return strspn(text, DIGITS) == 2 * DIGEST;
 }
 
-/* A struct server_sha256 is the library's state under another name. */
+/* A pointer to a struct server_sha256 is in fact a pointer to the library's state. */
 struct server_sha256 *server_sha256_begin(void)
 {
     gnutls_hash_hd_t state;

@@ -7,7 +7,7 @@
 
 #include "gd/control.h"
 
-#define SERVER_SHA256_HEX 65 /* with the NUL */
+#define SERVER_SHA256_HEX 65 /* bytes, with the NUL */
 
 void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX]);
 
