@@ -35,7 +35,7 @@ struct option {
     const char *name, *argument;
     enum option_kind kind;
     size_t offset;        /* offset of the member in struct server_config */
-    uint64_t least, most; /* COUNT, BYTES */
+    uint64_t least, most; /* limits of COUNT and BYTES */
     /* the default, as an operator would type it; NULL means none, or determined at run time */
     const char *standard;
     const char *const *words; /* of a CHOICE, NULL-terminated; the value is an index into them */
