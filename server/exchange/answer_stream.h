@@ -31,7 +31,7 @@ struct server_answer_streams_load {
     size_t held;
 };
 
-/* Thread-safe. NULL means zeros. */
+/* Thread-safe. Returns zeros for NULL. */
 struct server_answer_streams_load
 server_answer_streams_load(const struct server_answer_streams *streams);
 

@@ -56,8 +56,8 @@ void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char 
  * exist. */
 bool server_precondition_matches(const struct server_precondition *precondition, const char *etag);
 
-/* A representation has a plain tag, `etag`, and a tag for its compressed form. Returns the one of
- * the two that If-None-Match lists first. */
+/* A representation has a plain tag, `etag`, and a tag for its compressed form. Returns the form
+ * whose tag If-None-Match lists first. */
 enum server_etag_form server_precondition_known(const struct server_precondition *precondition,
                                                 const char *etag);
 

@@ -106,7 +106,8 @@ static bool stream_is_due(const struct server_stream *stream, uint64_t now_ns)
            (silence >= PROGRESS_NS && source->version(source->user) != stream->sent_version);
 }
 
-/* Reads the version first. So a change during the call may be sent twice, but is never lost. */
+/* Reads the version before the message. So a change during the call may be sent twice, but is never
+ * lost. */
 static void stream_compose(struct server_stream *stream, uint64_t now_ns)
 {
     const struct server_event_source *source = &stream->source;

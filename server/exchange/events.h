@@ -9,8 +9,8 @@
  *
  * DESIGN. A source is read only when its client can receive more. So slow clients miss intermediate
  * events, and no queue grows. A reader without data is paused until the source changes, a heartbeat
- * is due, or its client has hung up. One mutex guards the list of streams. It is held while pause,
- * resume and sources are called, so a source's lock is acquired after it. */
+ * is due, or its client has hung up. One mutex guards the list of streams. The mutex is held while
+ * pause, resume and sources are called, so a source's lock is acquired after the mutex. */
 #ifndef SERVER_EXCHANGE_EVENTS_H
 #define SERVER_EXCHANGE_EVENTS_H
 
@@ -30,7 +30,7 @@ struct server_stream;
 struct server_event_source {
     /* Returns a number that changes whenever the source changes. The call must be cheap. */
     uint64_t (*version)(void *user);
-    /* Writes the next message; returns false for the last one. */
+    /* Writes the next message; returns false if this message is the last. */
     bool (*write)(void *user, struct proto_writer *writer);
     /* If the stream is the text of an answer, this function is used instead of `version` and
      * `write`. Its arguments and result are those of server_stream_read. A drain waits for the end
@@ -50,7 +50,7 @@ struct server_stream_reader {
     void *user;
 };
 
-/* NULL means out of memory. */
+/* Returns NULL if out of memory. */
 struct server_events *server_events_create(void);
 
 /* Call this function when all streams are closed. NULL is allowed. */

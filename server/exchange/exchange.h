@@ -1,12 +1,14 @@
 /* Exchange: one request and its answer, as handlers see them. This header does not expose the HTTP
  * library.
  *
- * DESIGN. An exchange has one owner at a time. The first is the HTTP thread that reads it. If the
- * handler defers it, the next owners are the queue, a worker or a pending build of the cache. The
- * last is the HTTP thread again. The workers' lock hands it to a worker, and transport->finish
- * hands it back. A thread that has submitted, parked or finished an exchange must not use it any
- * more. The transport of an exchange is a connection (http.c) or a job whose answer is stored
- * (job_table.h). Handlers do not depend on the kind of transport.
+ * DESIGN. An exchange has one owner at a time. The first owner is the HTTP thread that reads the
+ * request. If the handler defers the exchange, the next owners are the queue, a worker or a pending
+ * build of the cache. The last owner is the HTTP thread again. The exchange passes to a worker
+ * under the workers' lock, and back by transport->finish. A thread that has submitted, parked or
+ * finished an exchange must not use it any more. The transport of an exchange is a connection
+ * (http.c), a job whose answer is stored (job_table.h), an item of a batch (batch_runner.c), or a
+ * stream for the rest of an answer (server_exchange_detach). Handlers do not depend on the kind of
+ * transport.
  *
  * States: reading -> ready -> answered, or deferred -> answered. An exchange is answered when
  * response.status is set (reply.h). A handler ends with a reply or with server_exchange_defer. */
@@ -151,7 +153,7 @@ struct server_host {
        opened. */
     void (*watch)(void *user);
     void *watcher;
-    struct server_thread *spare; /* woken after a field: prepares memory for the next; or NULL */
+    struct server_thread *spare; /* prepares memory after each field; or NULL */
     atomic_uint deferred;        /* exchanges that connections and jobs have submitted */
     atomic_bool is_draining;
     struct server_api *api; /* the parts that only handlers use (query/api.h) */

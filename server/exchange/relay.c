@@ -157,7 +157,8 @@ bool server_relay_block(struct server_relay *relay)
     bool is_ahead = unread_bytes(relay) >= SERVER_RELAY_MOST;
     while (is_ahead && !server_relay_is_over(relay)) {
         if (server_workers_cancelled(relay->host->workers)) atomic_store(&relay->is_over, true);
-        if (!server_relay_is_over(relay)) /* a cancel does not signal `room`, so poll */
+        /* the wait has a time limit, because a cancel does not signal `room` */
+        if (!server_relay_is_over(relay))
             server_condition_wait(&relay->room, &relay->lock, gd_now_ns() + LOOK_NS);
         is_ahead = unread_bytes(relay) > SERVER_RELAY_MOST / 2;
     }

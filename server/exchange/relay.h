@@ -8,11 +8,11 @@
  *     server_relay_end(relay, true);                   when all is written
  *     server_relay_release(relay);
  *
- * DESIGN. The worker writes into a buffer, and the stream's reader takes from its front. When
- * SERVER_RELAY_MOST bytes are unread, the writer parks its job (workers.h) or blocks until half of
- * them are read. So memory is bounded for answers of any length. The budget counts the buffer as an
- * answer from the beginning. When the client disconnects, the stream is closed. Order of locks:
- * events, relay, workers. */
+ * DESIGN. The worker appends to a buffer, and the stream's reader removes bytes from the front of
+ * the buffer. When SERVER_RELAY_MOST bytes are unread, the writer parks its job (workers.h) or
+ * blocks until half of them are read. So memory is bounded for answers of any length. The budget
+ * counts the buffer as an answer from the beginning. When the client disconnects, the stream is
+ * closed. Order of locks: events, relay, workers. */
 #ifndef SERVER_EXCHANGE_RELAY_H
 #define SERVER_EXCHANGE_RELAY_H
 
