@@ -57,8 +57,8 @@ struct server_mesh_cache {
     struct entries entries;
     uint32_t count;
     struct server_hot_points hot_points; /* queried points without a field */
-    /* number of builds that failed since the last field: SERVER_CACHE_SEARCHES is doubled so
-       often */
+    /* number of builds that failed since the last field; SERVER_CACHE_SEARCHES is doubled once for
+       each of them */
     uint32_t doublings;
     struct failure failure; /* the last failure */
 };
@@ -158,7 +158,7 @@ static bool key_covers(const struct field_key *a, const struct field_key *b)
 /* --- entries, without the lock ---------------------------------------------------------------- */
 
 /* Creates a pinned entry outside its mesh cache. Takes over the field and its bytes of
- * SERVER_BUDGET_FLIGHT. NULL means out of memory; then the field is released. */
+ * SERVER_BUDGET_FLIGHT. If out of memory, releases the field and returns NULL. */
 static struct entry *entry_create(struct server_mesh_cache *fields, const struct field_key *key,
                                   struct gd_field *field)
 {
@@ -277,7 +277,7 @@ static const struct server_cached *entry_pin(struct entry *entry)
 
 /* --- eviction --------------------------------------------------------------------------------- */
 
-/* Returns the entry of the lowest priority among the next SAMPLE ones without pins, or NULL. */
+/* Returns the entry of the lowest priority among the next SAMPLE entries without pins, or NULL. */
 static struct entry *entry_choose(struct server_cache *cache)
 {
     struct entry *entry, *chosen = NULL;
@@ -435,8 +435,8 @@ void server_cache_note(struct server_mesh_cache *fields, const struct gd_point *
     server_hot_points_note(&fields->hot_points, key.hash);
 }
 
-/* Under the lock: returns, of the builds of these seeds that reach at most as far as `key`, the one
- * with the largest reach; or NULL. */
+/* Considers the builds of these seeds that reach at most as far as `key`. Returns the build with
+ * the largest reach, or NULL. Called under the lock. */
 static struct server_pending_build *pending_find(const struct server_mesh_cache *fields,
                                                  const struct field_key *key)
 {

@@ -12,11 +12,11 @@
  *     server_cache_unpin(hit);
  *
  * DESIGN. A surface owns a *mesh cache*. The *seeds* of a field are its sources. Its *reach* is the
- * distance up to which it is computed. Of fields with equal seeds the mesh cache keeps the one of
- * the largest reach. A build of larger reach resumes that field and replaces it. A *pending build*
- * has one builder. Other jobs are parked at the build (workers.h) until it ends, and then look up
- * the field again. A request of smaller reach does not wait, because its own field may take much
- * less time.
+ * distance up to which it is computed. If several fields have equal seeds, the mesh cache keeps the
+ * field of the largest reach. A build of larger reach resumes that field and replaces it. A
+ * *pending build* has one builder. Other jobs are parked at the build (workers.h) until it ends,
+ * and then look up the field again. A request of smaller reach does not wait, because its own field
+ * may take much less time.
  *
  * A field is built when a request claims it. For queries of pairs, the field of a point is built
  * after SERVER_CACHE_SEARCHES queries of that point (hot_points.h). A field costs as much as 10 to
@@ -108,8 +108,8 @@ enum server_cache_turn server_cache_enter(struct server_mesh_cache *fields,
                                           struct server_pending_build **build);
 
 /* Like server_cache_enter, for a request that needs the field and has no target. Together with
- * SEARCH it sets `*why`: GD_NO_MEMORY, GD_CANCELLED, or the error of a build of this field less
- * than a second ago. */
+ * SEARCH it sets `*why`: GD_NO_MEMORY, GD_CANCELLED, or the error of a build of this field that
+ * failed less than a second ago. */
 enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
                                           const struct gd_field_request *request,
                                           struct server_job *job,

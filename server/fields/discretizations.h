@@ -29,7 +29,7 @@ struct server_discretization {
 #define SERVER_DISCRETIZATION_PLACES (2 * (GD_LIMIT_LEVEL_MOST + 1))
 
 struct server_discretization_slot {                 /* slot of one surface; all zero: empty */
-    _Atomic(struct server_discretizations *) owner; /* NULL never used by a request */
+    _Atomic(struct server_discretizations *) owner; /* NULL until a request uses the slot */
     /* guarded by the owner's lock: */
     struct server_lru_item *levels[SERVER_DISCRETIZATION_PLACES]; /* NULL if not kept */
     bool is_building[SERVER_DISCRETIZATION_PLACES];

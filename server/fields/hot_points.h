@@ -17,8 +17,8 @@ struct server_hot_points { /* all zero is empty */
     uint32_t count[SERVER_HOT_POINTS]; /* 0 if free */
 };
 
-/* Returns the point's counter. If there is none, returns a free counter, which is 0. If there is
- * none either, returns NULL. */
+/* Returns the point's counter. If the point has no counter, returns a free counter, whose value is
+ * 0. If no counter is free, returns NULL. */
 static inline uint32_t *server_hot_points_counter(struct server_hot_points *points, uint64_t hash)
 {
     uint32_t *vacant = NULL;
