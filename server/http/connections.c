@@ -30,7 +30,7 @@
 #define ACKNOWLEDGED (PATIENCE_NS / SECOND_NS * ANSWER_RATE / 2)
 
 #define RESERVE_PART 8         /* 1/8 of all places */
-#define SCARCE_PART  2         /* fewer free places than 1/2 of the reserve are scarce */
+#define SCARCE_PART  2         /* places are scarce if less than 1/2 of the reserve is free */
 #define YOUNG_NS     SECOND_NS /* age of a head that has just begun */
 /* time limit of clients that don't read, while memory for answers is short */
 #define HASTE_NS     (10 * SECOND_NS)

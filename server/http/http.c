@@ -2,13 +2,13 @@
  *
  * DESIGN. A client is one connection with one request at a time. A request begins with its request
  * line and ends when the library reports its end:
- *     HEAD      the library reads the headers; then the request is checked and begins
- *     BODY      the body arrives in pieces; then the request ends
+ *     HEAD      the library reads the headers; then `begin` (http.h) checks the request
+ *     BODY      the body arrives in pieces; then `end` (http.h) answers or defers the request
  *     PARKED    the connection is suspended while a worker has the exchange; at the end of the
  *               exchange (client_finish) it is resumed, and the answer is queued
  *     ANSWERED  the library sends the answer
  *
- * The library reads a part of a streamed answer each time it can write. While there is nothing to
+ * Each time the library can write, it reads a part of a streamed answer. While there is nothing to
  * read, the connection is suspended (events.h).
  *
  * libmicrohttpd 0.9.75 detects neither hang-ups nor timeouts of suspended connections, and must not
@@ -71,7 +71,7 @@ struct client {
     struct server_connection *deadlines;
     const char *fault;               /* NULL, or the reason why the request line is malformed */
     enum phase phase;                /* written by the connection's HTTP thread only */
-    atomic_uint_least64_t looked_ns; /* when is_gone last checked the socket */
+    atomic_uint_least64_t looked_ns; /* time at which is_gone last checked the socket */
 };
 
 struct server_http {
