@@ -22,7 +22,7 @@
 #include "server/store/kind.h"
 #include "server/store/sql.h"
 
-#define SERVER_BATCH_ID      25    /* with the NUL */
+#define SERVER_BATCH_ID      25    /* bytes, with the NUL */
 #define SERVER_BATCH_LEASE   15000 /* ms */
 #define SERVER_BATCH_TRIES   5
 #define SERVER_BATCH_ANSWERS 16 /* number of answers read at once; answers may be large */

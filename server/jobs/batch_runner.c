@@ -31,7 +31,7 @@ struct item {
     struct server_exchange *exchange; /* NULL: answered */
     unsigned status;                  /* 0 if not answered */
     /* used by the thread after the item is answered: */
-    char *answer; /* NULL means that there is no answer, or there was no memory for it */
+    char *answer; /* NULL means that there is no answer, or that memory for the answer was short */
     size_t size;
     size_t held; /* bytes of SERVER_BUDGET_ANSWERS */
 };

@@ -64,7 +64,7 @@ struct server_batch_statistics {
     uint64_t answered, returned; /* numbers of items since the start */
     uint32_t running;
 };
-/* `runner` NULL: all zero. */
+/* Returns zeros if `runner` is NULL. */
 struct server_batch_statistics server_batch_runner_statistics(struct server_batch_runner *runner);
 
 #endif

@@ -26,7 +26,7 @@
 #include "proto/http/job.h"
 #include "server/exchange/exchange.h"
 
-#define SERVER_JOB_ID 25 /* with the NUL */
+#define SERVER_JOB_ID 25 /* bytes, with the NUL */
 
 struct server_deferred_job;
 struct server_job_table;
