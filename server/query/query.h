@@ -1,11 +1,11 @@
 /* Query: a question about a surface. Single requests and lines of a batch run the same steps.
  *
  * DESIGN. A kind of query is a table of steps. A kind's own struct begins with a struct
- * server_query. It is initialised with zeros. try_inline and solve return a *turn*, which names the
- * next action. The steps, in their order:
+ * server_query. The struct is initialised with zeros. try_inline and solve return a *turn*, which
+ * names the next action. The steps, in their order:
  * - decode or parse reads the question and locates its points.
- * - try_inline runs once, perhaps on an HTTP thread. It answers if that takes microseconds. A kind
- *   whose decoding does all the work needs no try_inline and no solve.
+ * - try_inline runs once, perhaps on an HTTP thread. It answers if the answer takes only
+ *   microseconds. A kind whose decoding does all the work needs no try_inline and no solve.
  * - solve runs on a worker. It runs again after the turn AGAIN. After PARKED it runs again when the
  *   exchange is resumed.
  * - encode, bytes, write or reply writes the answer when the turn is DONE. If a kind has none of
@@ -58,7 +58,7 @@ struct server_answer_file {
     size_t size;
 };
 
-/* SERVER_FORM_FIRST + i: forms[i]; then those of arrays, if the kind lists arrays */
+/* SERVER_FORM_FIRST + i: forms[i]; then the forms of arrays, if the kind lists arrays */
 enum { SERVER_FORM_JSON, SERVER_FORM_BYTES, SERVER_FORM_FIRST };
 
 /* The field from which a query is answered; all zero: no field is named. */
@@ -124,7 +124,8 @@ struct server_query_kind {
     enum server_query_turn (*try_inline)(struct server_query *query);
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query);
-    /* Runs on a worker. Names a set that takes time to locate. NULL locates the pending set. */
+    /* Runs on a worker. Names a set that takes time to locate. If it is NULL, the pending set is
+       located. */
     bool (*prepare)(struct server_query *query);
     /* Runs after the pending set is located. May be NULL. */
     bool (*located)(struct server_query *query);

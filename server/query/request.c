@@ -89,8 +89,8 @@ static void reply_store_unavailable(struct server_exchange *exchange, const char
     server_reply_problem(exchange, &problem);
 }
 
-/* Replies not_found. The text is the same for every name, so that it does not reveal names of other
- * tenants. */
+/* Replies not_found. The problem's text is the same for every name, so that it does not reveal
+ * names of other tenants. */
 static void reply_absent(struct server_exchange *exchange)
 {
     const struct server_kind *kind = server_request_kind(exchange);
@@ -113,7 +113,7 @@ bool server_request_record(struct server_exchange *exchange, struct server_liste
     return false;
 }
 
-/* --- what other daemons have changed ---------------------------------------------------------- */
+/* --- changes by other daemons ----------------------------------------------------------------- */
 
 /* Runs on a worker. */
 static bool registry_follow(struct server_exchange *exchange)

@@ -70,8 +70,9 @@ struct server_derived_meshes {        /* all zero at first */
 void server_derived_meshes_free(struct server_derived_meshes *meshes); /* accepts all zero */
 
 /* Builds a mesh to be stored under that name of the exchange's tenant. Borrows polygons and
- * attachment (may be NULL). False with the problem: an invalid or repeated name, polygons that are
- * not a mesh or are too large, more than SERVER_DERIVED_MESHES_MOST meshes, and lack of memory. */
+ * attachment (may be NULL). Returns false with the problem in these cases: the name is invalid or
+ * repeated, the polygons are not a mesh or are too large, there are more than
+ * SERVER_DERIVED_MESHES_MOST meshes, or memory is short. */
 bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char *name,
                                const struct gd_polygons *polygons,
                                const struct server_attachment *attachment,
