@@ -55,7 +55,7 @@ struct server_kind {
     void (*describe)(struct proto_writer *writer, const struct server_surface *surface);
 
     /* Shortens a description that an earlier version stored. Returns the shorter text, allocated by
-       malloc, or NULL if the description is short enough. The pointer may be NULL. */
+       malloc, or NULL if the description is short enough. This member may be NULL. */
     char *(*shorten)(const char *description);
 };
 

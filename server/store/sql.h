@@ -111,9 +111,9 @@ struct server_store_sql {
 
 /* Opens a SQLite file, and creates it if it is missing. The path ":memory:" opens a database in
  * memory. `steps`: NULL-terminated statements that make the tables; static. The file's version is
- * the number of its steps. If a file turns out to be damaged, now or later, it is renamed and an
- * empty one replaces it. NULL with a sentence in `error`, also for a file of a later daemon, which
- * is left unchanged. */
+ * the number of its steps. If the file turns out to be damaged, now or later, it is renamed, and an
+ * empty file replaces it. On failure, returns NULL with a sentence in `error`. A file that a later
+ * version of the daemon wrote is such a failure, and stays unchanged. */
 struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps,
                                                      char error[SERVER_ERROR]);
 

@@ -79,10 +79,10 @@ struct server_store {
        ABSENT, NO_MEMORY, REFUSED. */
     enum server_outcome (*fetch)(struct server_store *store, const struct server_object *object,
                                  void **bytes);
-    /* Verifies an object in little memory. DAMAGED: the object is now in quarantine, and fetch
-       refuses it without reading. REFUSED: the system can't read the object. UNAVAILABLE: the call
-       was ended early, the object was rewritten meanwhile, or memory is short. Also returns
-       ABSENT. */
+    /* Verifies an object piece by piece, which needs little memory. DAMAGED: the object is now in
+       quarantine, and fetch refuses it without reading. REFUSED: the system can't read the object.
+       UNAVAILABLE: the call was ended early, the object was rewritten meanwhile, or memory is
+       short. Also returns ABSENT. */
     enum server_outcome (*verify)(struct server_store *store, const struct server_object *object,
                                   server_pace *pace, void *user);
     /* Returns the number of objects in quarantine. */
@@ -115,9 +115,9 @@ struct server_store *server_store_local_open(const char *folder, char error[SERV
  * or tables of a later version. */
 struct server_store *server_store_postgres_open(const char *url, char error[SERVER_ERROR]);
 
-/* For the sandbox. Visits each port in the address of a database or in the environment, or 5432.
- * `visit` returns false to end the visit. Returns false if the visit was ended or the address is
- * malformed. */
+/* For the sandbox. Visits each port that the address of a database lists. If it lists none, visits
+ * those of the environment, or else 5432. `visit` returns false to end the visit. Returns false if
+ * the visit was ended or the address is malformed. */
 bool server_postgres_each_port(const char *url, bool (*visit)(void *user, uint16_t port),
                                void *user);
 

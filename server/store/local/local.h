@@ -129,7 +129,7 @@ enum server_database_use {
     /* Reads for a short time, while another process may write. Creates nothing except the -shm file
        of a log that a crash left. ABSENT: there is no file, or the file has no table yet. */
     SERVER_DATABASE_READ,
-    SERVER_DATABASE_COPY /* as READ, for a database with any tables, to check or copy it */
+    SERVER_DATABASE_COPY /* like READ, but accepts any tables; used to check or copy a database */
 };
 
 /* Opens the database. DAMAGED: the caller renames the file and opens a new one. */

@@ -12,8 +12,9 @@
  *     bad or none  bad or none        both are damaged                  rename it: the surface is
  *                                                                       lost, and the log says so
  *
- * Crashes alone cause only the first two cases. If SQLite finds the database damaged, it is
- * renamed, and a new one is made from the manifests. Objects are verified when they are loaded. */
+ * Crashes alone cause only the first two cases. If SQLite reports damage of the database, the
+ * database is renamed, and a new one is made from the manifests. Objects are verified when they are
+ * loaded. */
 #include <errno.h>
 #include <pthread.h>
 #include <stdarg.h>
