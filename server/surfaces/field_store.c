@@ -271,7 +271,7 @@ static void surface_sweep(const struct saving *saving, const struct server_surfa
         if (!file_has_suffix(files.name, LANDMARKS) && !file_has_suffix(files.name, PREVIEW) &&
             !server_names_has(&saving->kept, files.name))
             unlink(files.path);
-    rmdir(folder.path); /* if it is empty */
+    rmdir(folder.path); /* succeeds only if the folder is empty */
 }
 
 void server_field_store_save(struct server_field_store *store, struct server_registry *registry,

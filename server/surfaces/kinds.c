@@ -1,6 +1,6 @@
 /* The kinds of surfaces: see kind.h. Each kind reads the file and then builds the object, in steps.
- * A step takes memory from the budget before it runs. If that was too little, the step runs again
- * with more. */
+ * A step takes memory from the budget before it runs. If this memory was too little, the step runs
+ * again with more memory. */
 #include "server/surfaces/kinds.h"
 
 #include <stdio.h>

@@ -21,7 +21,7 @@ struct server_nurbs {
 /* A subdivision surface, and its cached discretizations. */
 struct server_subdivision {
     struct gd_subdivision *surface;
-    /* guarded by its own lock; all other members are immutable */
+    /* guarded by the lock of its owner (discretizations.h); all other members are immutable */
     struct server_discretization_slot slot;
 };
 

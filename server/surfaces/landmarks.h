@@ -7,7 +7,7 @@
  * After the first search without landmarks, a thread (background.h) reads the landmarks of the
  * surface from the field store, or builds and stores them. Sets are evicted before fields and
  * meshes, because rebuilding a set is cheaper. After the set of a slot was evicted, the next build
- * begins only after many times the build time. All functions are thread-safe. */
+ * waits many times as long as the last build took. All functions are thread-safe. */
 #ifndef SERVER_SURFACES_LANDMARKS_H
 #define SERVER_SURFACES_LANDMARKS_H
 
@@ -41,7 +41,7 @@ struct server_landmarks_statistics {
     uint64_t built, loaded, dropped; /* sets */
     bool is_building;                /* true if a set is being built, or a slot is queued */
 };
-/* `landmarks` NULL: zeros. */
+/* Returns zeros if `landmarks` is NULL. */
 struct server_landmarks_statistics server_landmarks_statistics(struct server_landmarks *landmarks);
 
 #endif

@@ -35,7 +35,7 @@ struct server_registry {
 /* --- slots ------------------------------------------------------------------------------------ */
 
 /* Under the lock: returns the slot of that record. NULL means that the record's key has another
- * record or none. */
+ * record or no record. */
 static struct server_slot *slot_of_record(const struct server_registry *registry,
                                           const struct server_record *record)
 {

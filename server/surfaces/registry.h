@@ -39,9 +39,9 @@ void server_registry_watch(struct server_registry *registry,
 /* put and remove wait for the disk. put stores a surface under its record's key, durably, with its
  * attachment and the file from which it was made (`bytes`, borrowed). Returns CREATED or REPLACED.
  * If the key already has this record, put keeps the surface in memory, repairs damaged stored
- * bytes, and returns REPLACED. Without a precondition (NULL) this is all that put does; it returns
- * ABSENT if the key has another record or none. Errors: PRECONDITION, NO_MEMORY, FULL, REFUSED,
- * READ_ONLY, UNAVAILABLE. remove returns DONE, ABSENT or one of these errors. */
+ * bytes, and returns REPLACED. If the precondition is NULL, put does nothing else: it returns
+ * ABSENT if the key has another record or no record. Errors: PRECONDITION, NO_MEMORY, FULL,
+ * REFUSED, READ_ONLY, UNAVAILABLE. remove returns DONE, ABSENT or one of these errors. */
 enum server_outcome server_registry_put(struct server_registry *registry,
                                         struct server_surface *surface, const void *bytes,
                                         const struct server_precondition *precondition);

@@ -19,7 +19,7 @@ struct server_background;
 /* See background.h. An empty slot is all zero, except for `surface`. */
 struct server_background_slot {
     struct server_surface *surface;            /* the surface that contains the slot */
-    _Atomic(struct server_background *) owner; /* NULL never used by a request */
+    _Atomic(struct server_background *) owner; /* NULL until a request uses the slot */
     atomic_bool is_closed;
     atomic_uint progress; /* progress of the build, up to SERVER_BACKGROUND_DONE */
     /* guarded by the owner's lock: */
