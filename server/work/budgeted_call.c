@@ -162,8 +162,8 @@ static bool call_attempt_begin(struct server_budgeted_call *call)
     return true;
 }
 
-/* Until here the budget counts the workspace in addition to the grant, although part of the grant
- * is the memory of the workspace. */
+/* Before this call, the budget counts the workspace in addition to the grant, although the
+ * workspace's memory is a part of the grant. */
 static void call_attempt_end(struct server_budgeted_call *call)
 {
     struct server_space *space = &call->space;

@@ -11,10 +11,10 @@
  * for which clients wait, precede patient jobs, but after 16 urgent jobs a patient job follows.
  *
  * Limits, separately for urgent and patient jobs: all lanes together hold `length` jobs. A tenant
- * takes at most as many places as it leaves free (dynamic thresholds, Choudhury and Hahne, 1998).
+ * may use at most as many places as remain free (dynamic thresholds, Choudhury and Hahne, 1998).
  *
  * Spare workers are threads beyond the number of workers. A spare worker takes an urgent job while
- * patient jobs occupy workers, or a job whose tenant has none running.
+ * patient jobs occupy workers, or a job whose tenant has no running job.
  *
  * Not thread-safe: the lock of the workers guards the lanes. */
 #ifndef SERVER_WORK_LANES_H

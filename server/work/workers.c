@@ -15,7 +15,7 @@ struct server_workers {
     pthread_mutex_t lock;
     pthread_cond_t work, spare_work;
     struct server_lanes lanes;
-    uint32_t thread_count; /* without spare ones */
+    uint32_t thread_count; /* without the spare threads */
     /* number of threads that run a job, without spare threads; set under the lock */
     atomic_uint working;
     atomic_uint guests;

@@ -64,7 +64,7 @@ bool server_workers_cancelled(struct server_workers *workers);
 bool server_workers_go_on(struct server_workers *workers);
 
 struct server_workers_load {
-    uint32_t threads; /* without spare ones */
+    uint32_t threads; /* number of threads, without the spare threads */
     uint32_t running; /* number of running jobs, including those on spare threads */
     uint32_t queued;  /* jobs */
 };
