@@ -110,9 +110,9 @@ static void server_tick(struct server *server, uint64_t now_ns)
     server_events_tick(server->host.events, now_ns);
 }
 
-/* Waits for the next tick. While requests are deferred, a wake does not shorten the wait. A wake
- * comes each time that the number of deferred requests rises from zero, which is often. False if
- * the thread must end. */
+/* Waits for the next tick. While requests are deferred, a wake does not shorten the wait. The
+ * thread is woken each time that the number of deferred requests rises from zero, which is often.
+ * False if the thread must end. */
 static bool deadlines_wait(struct server *server, struct server_thread *thread)
 {
     if (atomic_load(&server->host.deferred)) return server_thread_sleep(thread, TICK_NS);
@@ -134,7 +134,8 @@ static void heap_trim_run(void *user, struct server_thread *thread)
     while (server_thread_pause(thread, TRIM_NS)) malloc_trim(0);
 }
 
-/* Clearing fresh memory takes a large part of a field's time, most of all in virtual machines. */
+/* Prepares memory for the next field, at idle priority. Otherwise a build would spend a large part
+ * of its time on clearing new memory, especially in virtual machines. */
 static void spare_run(void *user, struct server_thread *thread)
 {
     (void)user;
@@ -249,8 +250,8 @@ static bool create_parts(struct server *server, char error[SERVER_ERROR])
     server_budget_init(&server->budget, config->memory_budget);
     if (config->max_answer < server->budget.largest_answer)
         server->budget.largest_answer = config->max_answer;
-    /* Takes the memory that the allocator may keep of released fields from the budget, once. So
-     * reusing that memory takes nothing more. */
+    /* The allocator may keep memory of released fields. This memory is taken from the budget once,
+       here. So a reuse of it takes nothing more from the budget. */
     size_t part = server->budget.limit / SPARE_PART, spare = part < SPARE_MOST ? part : SPARE_MOST;
     gd_spare_memory(spare);
     if (!server_budget_take(&server->budget, SERVER_BUDGET_SPARE, spare)) return false;
