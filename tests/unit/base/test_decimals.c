@@ -30,9 +30,9 @@ static uint64_t next_random(uint64_t *state)
     return *state * UINT64_C(0x2545f4914f6cdd1d);
 }
 
-/* Returns, depending on `turn`: any bit pattern; an exponent in or near the range of the lanes; the
- * same with few significant bits; a decimal of few digits; such a decimal moved by some units in
- * the last place; a multiple of 0.001. */
+/* Returns a random number. `turn` selects its kind: any bit pattern; an exponent in or near the
+ * range of the lanes; such an exponent with few significant bits; a decimal of few digits; such a
+ * decimal moved by some units in the last place; a multiple of 0.001. */
 static double random_double(uint64_t *state, long turn)
 {
     uint64_t bits = next_random(state), few = ~((UINT64_C(1) << next_random(state) % 53) - 1);
@@ -47,8 +47,8 @@ static double random_double(uint64_t *state, long turn)
     return value;
 }
 
-/* Returns the number of values that the kernel skips although the plain kernel finds their
- * digits. */
+/* Asserts that both kernels find the same digits of each value that `kernel` does not skip. Returns
+ * the number of values that `kernel` skips although the plain kernel finds their digits. */
 static uint32_t assert_agreement(gd__decimals_kernel *kernel, const double *values, uint32_t count)
 {
     struct gd__decimals plain, found;

@@ -198,8 +198,8 @@ static uint64_t next_random(uint64_t *state)
     return *state * UINT64_C(0x2545f4914f6cdd1d);
 }
 
-/* Returns, depending on `turn`: any bit pattern; few significant bits; a number in [0, 1); a
- * decimal of few digits. */
+/* Returns a random number. `turn` selects its kind: any bit pattern; few significant bits; a number
+ * in [0, 1); a decimal of few digits. */
 static double random_double(uint64_t *state, long turn)
 {
     uint64_t bits = next_random(state);

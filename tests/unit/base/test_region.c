@@ -107,7 +107,7 @@ static void respects_the_budget(void **state)
     struct gd__budget budget = {.control = &control, .held = 4 * MEGABYTE};
     struct gd__region region = {0};
     check_ok(gd__region_open(&region, MEGABYTE, &budget), NULL);
-    /* requests exactly the rest of the budget */
+    /* this request uses exactly the rest of the budget */
     check_ok(gd__region_reserve(&region, 6 * MEGABYTE), NULL);
     region.used = 6 * MEGABYTE;
     struct gd__region before = region;
@@ -119,7 +119,7 @@ static void respects_the_budget(void **state)
     budget.held = 4 * MEGABYTE;
     check_ok(gd__region_open(&region, MEGABYTE, &budget), NULL);
     size_t step = 24 * 100;
-    /* grants the whole budget, and no byte more */
+    /* the region gets the whole budget, and no byte more */
     while (gd__region_reserve(&region, step) == GD_OK) region.used += step;
     assert_true(region.used + step > 6 * MEGABYTE && region.granted <= 6 * MEGABYTE);
     gd__region_destroy(&region);
@@ -220,7 +220,7 @@ static void prepares_spare_memory(void **state)
     assert_true(gd__region_prepare());
     assert_int_equal(gd__region_spare(), kept.bytes);
     assert_true(gd__region_prepare());
-    assert_false(gd__region_prepare()); /* enough for two regions */
+    assert_false(gd__region_prepare()); /* the spare memory is enough for two regions already */
     assert_int_equal(gd__region_spare(), 2 * kept.bytes);
     struct gd__region region = {0};
     check_ok(gd__region_open(&region, MEGABYTE, NULL), NULL);
@@ -232,7 +232,7 @@ static void prepares_spare_memory(void **state)
     gd__region_destroy(&region);
     gd__region_release(&kept);
     gd__region_keep_spare(3 * MEGABYTE / 2);
-    assert_false(gd__region_prepare()); /* beyond the limit */
+    assert_false(gd__region_prepare()); /* a region of this size exceeds the limit */
     assert_int_equal(gd__region_spare(), 0);
     gd__region_keep_spare(0);
 }

@@ -8,7 +8,8 @@ static bool keep(void *user, double fraction)
     return fraction < 0.9;
 }
 
-/* Three parts report 0 to 1 each. The whole reports 0 to 1 once, and its owner can cancel it. */
+/* A call has three parts. Each part reports progress from 0 to 1. The control of the whole call
+ * gets progress from 0 to 1 once, and can cancel a part. */
 static void parts_make_a_whole(void **state)
 {
     (void)state;

@@ -136,8 +136,8 @@ static uint32_t count_reports(const struct gd_polygons *polygons,
     return watch.calls;
 }
 
-/* Each loop over elements checks the control. A build that checked it only between its steps would
- * check it far less than 100 times. */
+/* Each loop over elements checks the control. A build that checks the control only between its
+ * steps would check it far less than 100 times. */
 static void it_can_be_cancelled_within_every_loop(void **state)
 {
     (void)state;

@@ -14,8 +14,8 @@ static struct gd_mesh *shuffled(uint64_t seed)
     return mesh;
 }
 
-/* The internal order of vertices does not depend on the input's order, and neighbours are close in
- * it. */
+/* The internal order of vertices does not depend on the order of the input. In the internal order,
+ * neighbours are close to each other. */
 static void internal_order_follows_space(void **state)
 {
     (void)state;

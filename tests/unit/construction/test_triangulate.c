@@ -125,8 +125,8 @@ static void polygons_that_are_not_flat_are_cut_up(void **state)
     cube_positions[6][2] -= 0.3;
 }
 
-/* Every second corner is reflex, and all other ears are blocked or thin. This is the worst case for
- * ear clipping. */
+/* Every second corner is reflex, and the ears at all other corners are blocked or thin. This is the
+ * worst case for ear clipping. */
 static void a_star_of_thousands_of_corners_is_cut_up(void **state)
 {
     (void)state;

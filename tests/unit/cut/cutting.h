@@ -40,7 +40,7 @@ static inline struct cutting cutting_along(const struct gd_mesh *mesh, const str
     return cutting;
 }
 
-/* Returns the curve of shortest paths through the points. */
+/* Returns the curve through the points. Shortest paths join consecutive points. */
 static inline struct gd_curve curve_through(const struct gd_mesh *mesh,
                                             const struct gd_point *points, uint32_t count,
                                             bool closed)

@@ -79,8 +79,8 @@ static void a_segment_across_many_diagonals(void **state)
     gd__planar_free(&planar);
 }
 
-/* Inserts random segments between random sites, some on the sides, that do not cross earlier
- * segments. All of them are in the final triangulation. */
+/* Inserts random segments that do not cross earlier segments. Their ends are random sites, some of
+ * them on the sides. All segments are in the final triangulation. */
 static void random_segments(void **state)
 {
     (void)state;

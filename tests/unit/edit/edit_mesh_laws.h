@@ -15,7 +15,7 @@ const char *edit_mesh_check_copy(const struct gd_mesh *mesh, const struct gd_pol
 /* Keeps every third face, deletes the others, and checks the remaining faces. */
 const char *edit_mesh_check_rest(const struct gd_mesh *mesh, const struct gd_polygons *polygons);
 
-/* Stops a copy at each check of the control in turn. */
+/* Runs many copies. Each copy is cancelled at another check of the control. */
 const char *edit_mesh_check_stop(const struct gd_mesh *mesh);
 
 /* Throws each kind of exception through gd_edit::guarded. */

@@ -50,8 +50,8 @@ static inline double farthest_origin(const struct gd_mesh *mesh, const struct gd
     return farthest;
 }
 
-/* Returns the largest distance of a vertex of the mesh from the edited mesh, by a search for
- * each. */
+/* Returns the largest distance of a vertex of the mesh from the edited mesh. Searches the nearest
+ * point for each vertex. */
 static inline double farthest_vertex(const struct gd_mesh *mesh, const struct gd_mesh *edited)
 {
     double farthest = 0;

@@ -407,8 +407,8 @@ static void regular_polygons_and_ellipses(void **state)
 
 /* --- memory and checks ------------------------------------------------------------------------ */
 
-/* The trace of a sphere, where ridges cross most faces many times, needs at most so many bytes for
- * each wedge of the field. */
+/* The memory of a trace is limited by a number of bytes for each wedge of the field. On this
+ * sphere, ridges cross most faces many times. */
 static void memory_is_bounded(void **state)
 {
     (void)state;

@@ -225,7 +225,7 @@ static uint32_t append_part(char *wedges, uint32_t at, uint32_t previous,
     return at + (uint32_t)(gd__chunk_bytes(part) / GD__CHUNK_UNIT);
 }
 
-/* Every wedge gets a chunk of its own, which makes chains long. Distances stay the same bit for
+/* Every wedge gets a chunk of its own, so the chains are long. Distances must stay the same bit for
  * bit, and lengths of paths up to rounding. */
 static void long_chains_give_the_same(void **state)
 {
@@ -272,7 +272,7 @@ static void long_chains_give_the_same(void **state)
         struct gd__leg a = gd__field_leg(field, &points[i]), b = gd__field_leg(&split, &points[i]);
         assert_memory_equal(&a.distance, &b.distance, sizeof a.distance);
         if (a.kind != GD__LEG_WEDGE || b.kind != GD__LEG_WEDGE) continue;
-        struct gd_path p, q; /* the last segment may differ if its path has equal length */
+        struct gd_path p, q; /* the last segments may differ if both paths have the same length */
         check_ok(gd_field_path(field, &points[i], &p), NULL);
         check_ok(gd_field_path(&split, &points[i], &q), NULL);
         check_close(q.length, p.length, 1e-12);

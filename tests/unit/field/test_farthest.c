@@ -264,9 +264,9 @@ static void check_borders(const struct gd_mesh *mesh, uint32_t cells, int quarte
     check_place(mesh, seeds, count, 6.25, turned(6.25, 0, quarters)); /* x^2 = (8 - x)^2 + 36 */
 }
 
-/* The farthest point lies between two points and a segment, between a point and two segments, or on
- * the boundary between a point and a segment. The test does this within one face and across many
- * faces. */
+/* The farthest point has the same distance from two points and a segment, or from a point and two
+ * segments. Or it lies on the boundary, at the same distance from a point and a segment. The test
+ * uses one cell and many cells. */
 static void between_points_and_segments(void **state)
 {
     (void)state;

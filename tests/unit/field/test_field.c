@@ -22,8 +22,9 @@ static void example_1(void **state)
     struct gd_field *field = test_field_from(mesh, test_vertex(mesh, 0));
     struct gd_wedge *wedges;
     uint32_t count, direct = 0;
-    /* e3: the only wedge of source v0 is w1. The source unfolds to (0.5, 1 + sqrt(1/2)) above v6v5:
-     * 1 for the cube's face, sqrt(1/2) for the slant height of the pyramid. */
+    /* On e3, the only wedge of source v0 is w1. Unfolded, the source is at (0.5, 1 + sqrt(1/2))
+     * above v6v5: the side of the cube's face is 1, and the slant height of the pyramid is
+     * sqrt(1/2). */
     check_ok(gd_field_wedges(field, (struct gd_vertex){5}, (struct gd_vertex){6}, &wedges, &count),
              NULL);
     double slant = sqrt(0.5), height = 1 + slant;
@@ -35,8 +36,8 @@ static void example_1(void **state)
     }
     assert_int_equal(direct, 1);
     free(wedges);
-    /* e2: w3 and w4 have equal distances. One of them is kept, so that the wedges of v0 do not
-     * overlap. */
+    /* On e2, w3 and w4 have equal distances. The field keeps one of them, so that the wedges of v0
+     * do not overlap. */
     check_ok(gd_field_wedges(field, (struct gd_vertex){5}, (struct gd_vertex){7}, &wedges, &count),
              NULL);
     direct = 0;

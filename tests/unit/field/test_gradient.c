@@ -42,7 +42,8 @@ static void in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* On any surface the path's first segment runs opposite to the gradient. */
+/* On any surface, the first segment of the path from a point runs opposite to the gradient
+ * there. */
 static void paths_start_against_the_gradient(void **state)
 {
     (void)state;

@@ -209,7 +209,7 @@ static void refuses_impossible_chains(void **state)
         image_chunk(newest)->previous = units + beyond[i];
         assert_int_equal(try_damaged(&rng), GD_INDEX);
     }
-    image_newest()[edge] = units - 1; /* only half a chunk's header is left */
+    image_newest()[edge] = units - 1; /* half of a chunk's header is beyond the array */
     assert_int_equal(try_damaged(&rng) == GD_OK, false);
     /* all edges share one chain */
     for (uint32_t e = 0; e < mesh->edge_count; e++) image_newest()[e] = newest;
@@ -308,7 +308,7 @@ static void wrong_wedges_never_lead_outside(void **state)
     assert_true(opened > 150);
 }
 
-/* Damages any byte. Either the image is rejected, or all queries stay within its arrays. */
+/* Damages any byte. Either the engine rejects the image, or all queries stay within its arrays. */
 static void damage_never_leads_outside(void **state)
 {
     (void)state;

@@ -143,8 +143,8 @@ static void circles_about_an_apex(void **state)
     }
 }
 
-/* Two seeds have two lines while their circles are disjoint. At larger levels there is a single
- * line, whose arcs meet on the bisector. */
+/* The isoline of two seeds is two lines while their circles are disjoint. At larger levels it is a
+ * single line, whose arcs meet on the bisector. */
 static void two_seeds_in_the_plane(void **state)
 {
     (void)state;

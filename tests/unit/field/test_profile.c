@@ -40,7 +40,7 @@ static double distance_along(const struct gd_field *field, const struct gd_point
 
 static void check_place(double told, double field, double length)
 {
-    /* 0 means they cross */
+    /* a distance of 0, where the curve crosses the segment, has an absolute error only */
     if (fabs(told - field) > 1e-14 * length) check_close(told, field, 1e-9);
 }
 
@@ -64,7 +64,7 @@ static void check_segment(const struct gd_field *field, const struct gd_point *a
     gd__profile_destroy(&profile);
 }
 
-/* The source is a long curve: many strips reach the segment side by side. */
+/* The source is a long curve, so paths from many of its parts reach the segment, side by side. */
 static void along_curves(void **state)
 {
     (void)state;

@@ -15,8 +15,8 @@ enum { SCENES = 60, SOURCES = 8, TARGETS = 25, PAIR_EVERY = 5 };
 
 static const double promise = 1e-9;
 
-/* `ratio` is the range of the ratio of sizes. `depth` is the number of powers of ten between the
- * rim and the smallest ring. */
+/* A kind of patch. `ratio` has the limits of the ratio between the sizes of consecutive rings. The
+ * smallest ring is at most `depth` powers of ten smaller than the rim. */
 struct kind {
     double ratio[2];
     double depth;

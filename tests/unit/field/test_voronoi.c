@@ -120,8 +120,8 @@ static void four_corners_meet_in_the_middle(void **state)
     }
 }
 
-/* With an offset the bisector is a branch of a hyperbola. A member whose offset is at least the
- * distance of the seeds has no cell. */
+/* If the members have different offsets, the bisector is a branch of a hyperbola. A member whose
+ * offset is at least the distance between the seeds has no cell. */
 static void offsets_bend_the_bisector(void **state)
 {
     (void)state;
@@ -253,7 +253,8 @@ static void members_without_a_region(void **state)
 }
 
 /* Paths to points behind the apex of a saddle bend at the apex. If the apex is equidistant from two
- * members, these points are equidistant, too. The diagram assigns them to one of both members. */
+ * members, these points are equidistant, too. The diagram assigns each of them to one of the two
+ * members. */
 static void ties_behind_a_saddle(void **state)
 {
     (void)state;

@@ -113,7 +113,7 @@ static struct gd_mesh *open_half_round(struct scene *scene, struct gd_polygons *
     return mesh;
 }
 
-/* Between opposite points of a sphere the straight line has two thirds of the path's length. */
+/* The straight line between opposite points of a sphere is two thirds as long as the path. */
 static void rings_go_round(void **state)
 {
     (void)state;

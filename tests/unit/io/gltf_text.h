@@ -1,5 +1,5 @@
-/* Makes glTF documents for tests. They are valid, have one replacement, or have the form GLB. In
- * their text ' stands for ". */
+/* Makes glTF documents for tests: unchanged documents, documents with one replaced text, and GLB
+ * files. In the texts of the tests, ' stands for ". */
 #ifndef TESTS_UNIT_IO_GLTF_TEXT_H
 #define TESTS_UNIT_IO_GLTF_TEXT_H
 

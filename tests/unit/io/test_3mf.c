@@ -222,7 +222,8 @@ static void reads_zip64(void **state)
     assert_non_null(strstr(detail.text, "checksum"));
 }
 
-/* Only the length of the archive comment, in the last bytes, may be missing. */
+/* The reader rejects every truncated archive, except one that lacks only bytes of the comment's
+ * length, at its end. */
 static void survives_truncation(void **state)
 {
     (void)state;

@@ -139,7 +139,8 @@ static void turns_evenly_along_a_circle(void **state)
     motion_free(&motion);
 }
 
-/* Each quarter turn about each axis, so that every component is the largest of some quaternion. */
+/* Uses each quarter turn about each axis. So each of the four components is the largest component
+ * of some quaternion. */
 static void writes_any_rotation(void **state)
 {
     (void)state;

@@ -97,7 +97,7 @@ static const struct bad_input bad[] = {
 
 /* --- two threads ------------------------------------------------------------------------------ */
 
-#define LINES 200000 /* of each kind: about 12 MB, which are several parts */
+#define LINES 200000 /* of each kind; the text has about 12 MB and is read in parts */
 
 /* Returns a long text, which the caller frees. `extra` is inserted in the middle of the faces. */
 static char *long_text(const char *extra, size_t *size)
@@ -201,8 +201,8 @@ static bool note_report(void *user, double fraction)
     return ++reports->count != reports->stop_at;
 }
 
-/* Reports come from the calling thread and never decrease, also if the text is read again from an
- * error on. The reading ends at the report that refuses it. */
+/* The reader reports progress on the calling thread. The progress never decreases, even if the
+ * reader reads the text again from an error on. The reader stops at the report that cancels it. */
 static void two_threads_report_and_end(void **state)
 {
     size_t size;

@@ -20,7 +20,7 @@ struct zip_bytes {
     bool is_zip64; /* sizes are in extra fields */
 };
 
-#define ZIP_EXTRA 20 /* size of such a field in bytes */
+#define ZIP_EXTRA 20 /* size in bytes of an extra field with the sizes */
 
 static inline void zip_put(struct zip_bytes *zip, uint64_t value, int size)
 {

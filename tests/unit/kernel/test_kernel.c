@@ -246,7 +246,7 @@ struct store_counts {
 
 static struct store_counts stores;
 
-/* Room for one chunk of that many wedges and a guard behind it. */
+/* Memory for one chunk of up to MOST wedges, and a guard after it, which must stay unchanged. */
 union shelf {
     struct gd__chunk chunk;
     struct {
@@ -377,8 +377,8 @@ static void check_same_children(const struct gd__children *a, const struct gd__c
     check_same_windows(&a->at, &b->at, a->count);
 }
 
-/* Finds by definition the windows that pass to the left and to the right of the apex, and the
- * shortest straight path through the other windows to the apex. */
+/* Computes by definition which windows pass to the left and to the right of the apex, and the
+ * length of the shortest straight path through the other windows to the apex. */
 static struct gd__apex look_at_apex(const struct gd_side *s, double known)
 {
     struct gd__apex best = {.distance = known, .last_left = GD_NONE, .first_right = GD_NONE};
@@ -557,7 +557,7 @@ static double between(const struct two_edges *edges, double t, double u)
     return gd_vec3_length(gd_vec3_sub(q, p));
 }
 
-/* Returns the kernel's bound at parameter t of the first edge. */
+/* Returns the bound that the kernel computes at parameter t of the first edge. */
 static double told_at(const struct two_edges *edges, double t, double own)
 {
     struct gd__ring_group group;

@@ -186,8 +186,9 @@ static void whole_turns_change_nothing(void **state)
 
 /* --- solid corners ---------------------------------------------------------------------------- */
 
-/* At vertex 0 of a cube three right angles meet. The lowest neighbour is 1, on the x axis. Seen
- * from outside, the edges x, z, y follow each other counter-clockwise. */
+/* At vertex 0 of a cube three right angles meet. Angles are measured from the neighbour with the
+ * lowest number, which is 1, on the x axis. Seen from outside, the edges along x, z and y follow
+ * each other counter-clockwise. */
 static void at_the_corner_of_a_cube(void **state)
 {
     (void)state;

@@ -65,7 +65,7 @@ static void a_point_of_an_edge_lies_where_its_entry_begins(void **state)
     gd_mesh_release(mesh);
 }
 
-/* The last edge of a boundary vertex has no face behind it. */
+/* The fan of a boundary vertex ends at its last edge, which has a face on one side only. */
 static void the_last_edge_of_a_boundary_ends_the_fan(void **state)
 {
     (void)state;

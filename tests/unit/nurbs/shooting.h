@@ -178,9 +178,10 @@ static inline double shooting_side(const struct gd_domain_curve *curve, double s
     return sin(turn) > 0 ? 1 : -1;
 }
 
-/* Computes the three numbers that Newton's method reduces to zero: the distances in u and v by
- * which the geodesic that leaves `from` at a right angle misses `to`, and the cosine of its angle
- * with `to`. Sets *over to the excess length. */
+/* Computes the three numbers that Newton's method reduces to zero. The geodesic that leaves `from`
+ * at a right angle ends near `to`. The first two numbers are the differences in u and v between its
+ * end and `to`, and the third is the cosine of its angle with `to`. Sets *over to the excess
+ * length. */
 static inline void shooting_miss(const struct gd_domain_curve *from,
                                  const struct gd_domain_curve *to, const double x[3], double side,
                                  double out[3], double *over)

@@ -118,7 +118,8 @@ static void closed_directions_and_poles_are_recognised(void **state)
     assert_true(gd_parametric_axis_v(sphere)->pole_low && gd_parametric_axis_v(sphere)->pole_high);
     assert_true(!gd_parametric_axis_u(open)->closed && !gd_parametric_axis_v(open)->pole_low);
     assert_true(!gd_parametric_axis_v(cone)->pole_low && gd_parametric_axis_v(cone)->pole_high);
-    /* parameters of closed directions are wrapped, others are refused outside the domain */
+    /* a closed direction wraps its parameters; other directions refuse parameters outside the
+     * domain */
     struct gd_jet a = jet_at(both, 0.3, 0.7), b = jet_at(both, 1.3, -2.3), c;
     assert_true(gd_vec3_distance(a.x, b.x) <= 1e-15);
     assert_int_equal(gd_parametric_evaluate(open, 1.1, 0.5, &c), GD_INVALID_ARGUMENT);
@@ -259,7 +260,8 @@ static void nearest_points_are_global(void **state)
 
 /* --- the control net -------------------------------------------------------------------------- */
 
-/* Weights and a great distance from the origin change the control points only by rounding. */
+/* The control points are those of the data, up to rounding, also with weights and far from the
+ * origin. */
 static void control_points_are_those_of_the_data(void **state)
 {
     (void)state;

@@ -36,8 +36,8 @@ static double colatitude(const struct gd_parametric *sphere, const double at[2])
     return atan2(hypot(x.x.x, x.x.y), -x.x.z); /* from the south pole */
 }
 
-/* Uses a meridian from pole to pole. For points of the opposite half of the sphere, the meridian's
- * nearest point is a pole. */
+/* Uses a meridian from pole to pole. From points of the opposite half of the sphere, the nearest
+ * point of the meridian is a pole. */
 static void a_curve_that_ends_in_a_pole(void **state)
 {
     (void)state;
@@ -64,7 +64,8 @@ static void a_curve_that_ends_in_a_pole(void **state)
     gd_parametric_release(sphere);
 }
 
-/* Slightly less than a quarter turn away, the path ends close to the pole at a right angle. */
+/* From a point that is slightly less than a quarter turn away from the meridian, the path ends
+ * close to the pole and meets the meridian at a right angle. */
 static void a_path_end_close_to_a_pole(void **state)
 {
     (void)state;

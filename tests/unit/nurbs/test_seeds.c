@@ -1,5 +1,6 @@
-/* Computes the global minimum for random pairs of points. It satisfies the geodesic equation. It is
- * at most as long as the geodesic near the shortest path on a dense mesh. */
+/* Computes shortest paths between random pairs of points. Each path must satisfy the geodesic
+ * equation. It must be at most as long as the geodesic that shooting finds near the shortest path
+ * on a dense mesh. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include <stdio.h>

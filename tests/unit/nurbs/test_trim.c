@@ -231,8 +231,9 @@ static void around_a_hole_of_a_cylinder(void **state)
     close_scene(&scene);
 }
 
-/* A hole between meridians and parallels of the unit sphere. South of it the path is a great circle
- * tangential to the hole's southern parallel, a part of the parallel, and a great circle. */
+/* A hole between meridians and parallels of the unit sphere. A path that passes south of the hole
+ * has three parts: an arc of a great circle that is tangential to the hole's southern parallel, a
+ * part of this parallel, and another arc of a great circle. */
 static void along_a_parallel_of_a_sphere(void **state)
 {
     (void)state;
@@ -414,7 +415,8 @@ static void the_domain_ends_at_the_loops(void **state)
     assert_true(gd_parametric_contains(scene.surface, 2, 1 - 1e-6));
     assert_false(gd_parametric_contains(scene.surface, 2, 1 + 1e-6));
     assert_false(gd_parametric_contains(scene.surface, 2, 2));
-    /* nearest points: of a place in the domain, of one in the hole, of one beyond a corner */
+    /* computes the points nearest to a place over the domain, to a place in the hole, and to a
+     * place beyond a corner */
     check_ok(
         gd_parametric_nearest(scene.surface, (struct gd_vec3){0.5, 0.7, 2}, NULL, &found, NULL),
         NULL);

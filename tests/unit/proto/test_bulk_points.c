@@ -12,7 +12,8 @@ static struct proto_bulk_text text_of(const char *text)
     return (struct proto_bulk_text){text, text + strlen(text)};
 }
 
-/* Reads a list of points in pieces of `most`. Returns the number of points; 0: not plain. */
+/* Reads a list in pieces of at most `most` points. Returns the number of points, or 0 if the text
+ * is not in the plain form that this reader supports. */
 static uint32_t read_list(struct proto_bulk_text *text, uint32_t most, struct proto_point *out)
 {
     uint32_t count = 0;
@@ -28,7 +29,7 @@ static uint32_t read_list(struct proto_bulk_text *text, uint32_t most, struct pr
     return count;
 }
 
-/* Returns whether a text with the only list `from` is read. */
+/* Returns whether the reader reads a text that has the single list `from`. */
 static bool reads(const char *text, struct proto_point *out)
 {
     struct proto_bulk_text rest = text_of(text);

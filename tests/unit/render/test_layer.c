@@ -93,8 +93,8 @@ static void arrows_have_heads(void **state)
     free(arrow);
 }
 
-/* Parts of lines far outside the picture are left out. The view shows twice the square's
- * size beyond the square on three sides. */
+/* The drawing omits the parts of lines that are far outside the picture. The view extends beyond
+ * the square on three sides, by twice its size. */
 static void far_lines_are_cut(void **state)
 {
     (void)state;

@@ -17,8 +17,8 @@
 
 static struct server daemon_server;
 static sem_t daemon_finished;
-/* becomes true by an error of the server, if an exchange finishes before its handler's state is
- * freed */
+/* true if an exchange has finished before the state of its handler was freed, which is an error of
+ * the server */
 static bool daemon_had_state;
 
 static inline void daemon_finish(struct server_exchange *exchange)
@@ -37,7 +37,7 @@ static inline bool daemon_is_gone(struct server_exchange *exchange)
 static const struct server_transport daemon_transport = {.finish = daemon_finish,
                                                          .is_gone = daemon_is_gone};
 
-/* Starts the daemon with a store, and takes over the store. */
+/* Starts the daemon with a store, and takes ownership of the store. */
 static inline void daemon_start(struct server_store *store)
 {
     struct server *server = &daemon_server;

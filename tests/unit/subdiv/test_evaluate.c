@@ -245,8 +245,9 @@ static void vertices(void **state)
     }
 }
 
-/* An L-shaped mesh has boundary vertices with one, two and three faces. With one face (edges
- * interpolated, corners not) normals converge only with the logarithm of the distance. */
+/* An L-shaped mesh has boundary vertices with one, two and three faces. If edges are interpolated
+ * but corners are not, normals near a vertex with one face converge only with the logarithm of the
+ * distance. */
 static void boundary_vertices(void **state)
 {
     (void)state;

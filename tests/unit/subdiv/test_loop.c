@@ -85,8 +85,9 @@ static void linear_precision(void **state)
     gd_control_mesh_free(&mesh);
 }
 
-/* Limit masks at the octahedron's vertices of valence 4: beta = (5/8 - (3/8)^2) / 4, w = 3 / (8
- * beta). The vertex has the weight w / (w + 4), and its neighbours cancel each other. */
+/* Compares with the limit mask at a vertex of the octahedron. For valence 4, beta = (5/8 - (3/8)^2)
+ * / 4 and w = 3 / (8 beta). The vertex has the weight w / (w + 4), and the positions of its
+ * neighbours cancel each other. */
 static void octahedron(void **state)
 {
     (void)state;

@@ -18,7 +18,7 @@ static inline struct gd_curve curve_through(const struct gd_mesh *mesh,
     return curve;
 }
 
-/* Checks that the segments between consecutive points lie on the surface, at their middles. */
+/* Checks that the middle of each segment between consecutive points lies on the surface. */
 static inline void check_curve(const struct gd_mesh *mesh, const struct gd_curve *curve,
                                double size)
 {

@@ -122,7 +122,8 @@ static double plane_turn(struct gd_vec3 a, struct gd_vec3 b, struct gd_vec3 c)
     return fabs(atan2(in.x * out.y - in.y * out.x, in.x * out.x + in.y * out.y));
 }
 
-/* Where the speed is 0, the curve is tangent to the line from the nearest other control point. */
+/* If the speed at an end is 0, the curve is tangent to the line from this end to the first control
+ * point that differs from it. */
 static void is_tangent_where_the_speed_is_zero(void **state)
 {
     (void)state;

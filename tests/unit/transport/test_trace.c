@@ -343,8 +343,9 @@ static void all_rules_on_any_surface(void **state)
 
 /* --- vertices --------------------------------------------------------------------------------- */
 
-/* A line aimed at a vertex, and lines that pass it on either side within rounding, continue alike:
- * with half of the total angle on each side. */
+/* A line that is aimed at a vertex, and lines that pass the vertex within rounding on either side,
+ * continue in the same direction. This direction has half of the vertex' total angle on each
+ * side. */
 static void hits_from_both_sides_agree(void **state)
 {
     (void)state;
@@ -404,8 +405,8 @@ static void bisects_at_an_apex(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* In mirror planes of an icosphere, both rules keep a line that passes through vertices in the
- * plane. Given normals are used. */
+/* A line in a mirror plane of an icosphere passes through vertices. Both vertex rules keep it in
+ * this plane. The rule by normals uses the normals of the request, if the request has any. */
 static void normals_keep_a_mirror_plane(void **state)
 {
     (void)state;

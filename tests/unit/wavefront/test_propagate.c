@@ -26,8 +26,8 @@ static uint32_t side_towards(const struct gd_mesh *mesh, uint32_t a, uint32_t b,
     return side;
 }
 
-/* Returns the window that v0 casts through its face onto edge a-b, seen from the face with the apex
- * c. */
+/* Returns the window of source v0 on edge a-b, opposite to v0 in its face, in the frame of the side
+ * whose face has the apex c. */
 static struct gd__window from_v0(const struct gd_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
 {
     uint32_t side = side_towards(mesh, a, b, c);

@@ -104,7 +104,7 @@ static void takes_any_key(void **state)
     push(3, 0); /* the bucket of this key has passed */
     assert_int_equal(pop(), 3);
     assert_int_equal(pop(), 1);
-    for (int lap = 0; lap < 3; lap++) { /* keys from the end of the ring on, and the largest keys */
+    for (int lap = 0; lap < 3; lap++) { /* the largest key is always beyond the ring */
         push(4, 1e300);
         push(5, 0);
         assert_int_equal(pop(), 5);

@@ -62,12 +62,12 @@ static void two_solutions(void **state)
 static void in_a_tie_everywhere_the_owner_wins(void **state)
 {
     (void)state;
-    /* mirror images across the edge have the same distances on it */
+    /* sources that mirror each other across the edge have the same distances to its points */
     struct gd__window a = window(0.3, 0.4, 1), b = a;
     struct gd__contest_result result = gd__contest(&a, &b, 0, 1);
     assert_false(result.challenger_first);
     assert_int_equal(result.switches, 0);
-    b.x += 1e-16; /* so do images that differ by rounding */
+    b.x += 1e-16; /* the result is the same if both differ by rounding */
     b.sigma += 1e-16;
     assert_int_equal(gd__contest(&a, &b, 0, 1).switches, 0);
     assert_false(gd__contest(&a, &b, 0, 1).challenger_first);
@@ -87,8 +87,8 @@ static void a_double_root_changes_nothing(void **state)
     }
 }
 
-/* Two sources close to a long edge have equal distances at both of its ends. In between, near the
- * sources, one is much nearer. */
+/* Two sources close to a long edge have equal distances at both of its ends. Between the ends, near
+ * the sources, one source is much nearer. */
 static void windows_equal_at_both_ends_differ_between(void **state)
 {
     (void)state;

@@ -404,15 +404,16 @@ static void one_window_beside_others(void **state)
         assert_true(w.b0[i] == from[i] && w.b1[i] == to[i] && w.source[i] == (i != 1));
 }
 
-/* Uses three linear windows. Each gives shorter distances than the point's window at both ends of
- * the linear window, but not between the ends. This gives the largest possible number of parts. The
- * block must grow. */
+/* Uses three linear windows and the window of a point. At both ends of a linear window, its
+ * distances are shorter than those of the point's window; between the ends they are longer. This
+ * gives the largest possible number of parts, so the block must grow. */
 static void one_window_may_leave_thirteen_parts(void **state)
 {
     (void)state;
     const struct gd__window point = {.b0 = 0, .b1 = 1, .x = 0.5, .y = 0.1, .source = 3};
     const double from[3] = {0.05, 0.4, 0.7}, to[3] = {0.3, 0.6, 0.95};
-    for (uint32_t i = 0; i < 3; i++) { /* chords of the point's distance, slightly nearer */
+    for (uint32_t i = 0; i < 3; i++) { /* the linear distance is a chord of the point's distance,
+                                        * reduced by 1e-4 */
         double d0 = gd__window_distance(&point, from[i]), d1 = gd__window_distance(&point, to[i]),
                slope = (d1 - d0) / (to[i] - from[i]);
         append_window(&offered, (struct gd__window){.b0 = from[i],

@@ -31,7 +31,7 @@ struct fixture {
     char folder[FOLDER_PATH], outside[FOLDER_PATH];
     struct server_config config;
     int priority;  /* priority of the test itself */
-    int listening; /* a socket of another program */
+    int listening; /* the listening socket of another program */
     struct sockaddr_in address;
 };
 

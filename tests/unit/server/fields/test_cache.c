@@ -32,8 +32,8 @@ static void add(struct fixture *fixture, uint32_t vertex)
     server_cache_unpin(land(fixture, enter(fixture, vertex), vertex));
 }
 
-/* A build time in nanoseconds. It exceeds the build times of all other fields of the tests, because
- * a priority may only grow. */
+/* A build time in nanoseconds. A test can't reduce the priority of a field, so this time exceeds
+ * the build times of all other fields. */
 #define DEAR 1e15
 
 /* Adds a field with a fixed build time, since real times vary. */
@@ -42,7 +42,7 @@ static void add_dear(struct fixture *fixture, uint32_t vertex)
     const struct server_cached *cached = land(fixture, enter(fixture, vertex), vertex);
     ((struct server_cached *)cached)->cost = DEAR;
     server_cache_unpin(cached);
-    /* from this use on it has the priority of an expensive field */
+    /* this use gives the field the priority of an expensive field */
     server_cache_unpin(find(fixture, vertex));
 }
 
@@ -119,7 +119,7 @@ static void a_field_is_built_after_enough_queries(void **state)
     assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                      SERVER_CACHE_BUILD);
     server_cache_unpin(land(fixture, build, 7));
-    reclaim(fixture, AMPLE); /* an evicted field needs new queries before a build */
+    reclaim(fixture, AMPLE); /* the count of queries begins again after an eviction */
     assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                      SERVER_CACHE_SEARCH);
     assert_int_equal(server_cache_statistics(fixture->cache).builds, 2);

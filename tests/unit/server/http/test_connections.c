@@ -55,7 +55,8 @@ static bool is_closed_after(uint64_t seconds)
     return recvfrom(ends[1], &byte, 1, MSG_PEEK | MSG_DONTWAIT, NULL, NULL) == 0;
 }
 
-/* Reads as the library does; returns "" at the end, or if there is no data. */
+/* Reads from the connection as libmicrohttpd does. Returns "" at the end, or if there is no
+ * data. */
 static const char *receive(void)
 {
     static char bytes[256];
@@ -240,7 +241,7 @@ static void leave(struct tcp *tcp)
     close(tcp->client);
 }
 
-/* Writes as much as fits, as the library does. */
+/* Writes as much as fits, as libmicrohttpd does. */
 static void fill(struct tcp *tcp)
 {
     static const char zeros[65536];
@@ -260,8 +261,8 @@ static void take(struct tcp *tcp, size_t bytes)
     }
 }
 
-/* Checks the connection every second; meanwhile the client reads `rate` bytes a second. Returns
- * after how many seconds the connection was cut, or `most`. */
+/* Checks the connection every second; meanwhile the client reads `rate` bytes a second. Returns the
+ * number of seconds until the connection was cut, or `most`. */
 static unsigned seconds_until_cut(struct tcp *tcp, size_t rate, unsigned most)
 {
     uint64_t begun = gd_now_ns(), before = server_connections_statistics(connections).cut;

@@ -106,8 +106,9 @@ static void runs_on_all_workers_end(void **state)
     server_workers_destroy(workers);
 }
 
-/* A helper queues itself behind jobs that arrived meanwhile. Tasks continue one at a time;
- * otherwise the run's own thread could take all of them before the helper wakes. */
+/* After each task, a helper queues itself behind the jobs that have arrived meanwhile. The test
+ * lets one task end at a time. Otherwise the run's own thread could run all tasks before the helper
+ * wakes. */
 static void other_jobs_run_between_tasks(void **state)
 {
     (void)state;
@@ -181,8 +182,8 @@ static void refused_helpers_leave_all_tasks_to_the_thread(void **state)
     sem_destroy(&gate);
 }
 
-/* Runs of two tasks. Each task computes its sum from the other's sum of the preceding run, so a
- * skipped, repeated or misplaced task changes the sums. */
+/* Number of runs. Each run has two tasks. A task computes its sum from the sum that the other task
+ * has computed in the preceding run. So a skipped, repeated or misplaced task changes the sums. */
 enum { RUNS = 50 };
 
 struct sums {
@@ -202,8 +203,8 @@ static void add(void *context, uint32_t index)
     while (atomic_load(&sums->begun) < 2 && gd_now_ns() < sums->patience_ns) sched_yield();
 }
 
-/* Returns the number of runs whose tasks were executed by two threads. If `together`, each run
- * needs both threads. */
+/* Returns the number of runs whose tasks were executed by two threads. If `together`, each task
+ * waits until the other task has begun, so each run needs both threads. */
 static int check_runs(const struct gd_executor *executor, bool together)
 {
     uint64_t expected[2] = {0, 0};
@@ -287,8 +288,8 @@ static void note_idle(void *context, uint32_t index)
     for (uint64_t end = gd_now_ns() + 50000; gd_now_ns() < end;) continue;
 }
 
-/* A helper that works for long gets idle priority, although its tasks check no control. The calling
- * thread is no worker, so it keeps its priority. */
+/* A helper that works for long gets idle priority, although its tasks do not check the control. The
+ * calling thread is not a worker, so it keeps its priority. */
 static void a_long_helper_gets_idle_priority(void **state)
 {
     (void)state;

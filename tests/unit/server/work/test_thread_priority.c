@@ -85,8 +85,9 @@ static void other_threads_are_unchanged(void **state)
 
 #define MS UINT64_C(1000000)
 
-/* Updates a job every millisecond from `from` to `to`, for a thread that gets 1/`part` of the time.
- * Returns how often it has idle priority. */
+/* Updates the priority of a job every millisecond from `from` to `to`, for a thread that gets
+ * 1/`part` of the processor's time. Returns the number of updates after which the job has idle
+ * priority. */
 static uint32_t look(struct server_priority *priority, uint64_t from, uint64_t to, uint64_t part)
 {
     uint32_t behind = 0;
@@ -108,8 +109,8 @@ static void long_work_gets_idle_priority(void **state)
 }
 
 /* A thread at idle priority that gets half of the processor's time stays at idle priority. If the
- * thread gets only a twentieth for 0.1 s, it returns to normal priority. This lasts one second the
- * first time, and two seconds the next time. */
+ * thread gets only a twentieth for 0.1 s, it returns to normal priority. It keeps normal priority
+ * for one second the first time, and for two seconds the next time. */
 static void starving_work_returns_to_normal(void **state)
 {
     (void)state;
