@@ -1,8 +1,8 @@
 /* A polyline that lies exactly on a surface. It proves that a distance is no longer than the
  * polyline.
  *
- * When two solvers disagree on a distance, their paths decide: the shorter polyline proves the
- * other distance too long, whatever either solver reports about its error. */
+ * When two solvers disagree on a distance, their paths decide. The shorter polyline proves that the
+ * other distance is too long, whatever error either solver reports. */
 #ifndef TESTS_ORACLE_CGAL_POLYLINE_H
 #define TESTS_ORACLE_CGAL_POLYLINE_H
 

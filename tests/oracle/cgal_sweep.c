@@ -133,8 +133,8 @@ static double difference(double a, double b)
     return isinf(a) || isinf(b) ? 1 : fabs(a - b) / fmax(a, b);
 }
 
-/* Decides which distance is wrong. The shorter path is the reference. A distance below it has no
- * path and is wrong too. */
+/* Decides which distance is wrong. The length of the shorter path is the reference. A distance
+ * below this length is wrong too, because no path has it. */
 static enum verdict judge(double ours, double theirs, long double our_path, long double their_path)
 {
     double best = (double)fminl(our_path, their_path);

@@ -6,12 +6,12 @@
 
 /* --- box -------------------------------------------------------------------------------------- */
 
-/* Face number 2 axis + side: the face at which coordinate `axis` is 0 (side 0) or size[axis] (side
- * 1). */
+/* Faces have the number 2 axis + side. On this face, the coordinate `axis` is 0 (side 0) or
+ * size[axis] (side 1). */
 enum { BOX_FACES = 6 };
 
-/* A position of the box while it rolls over the plane. x -> map x + shift maps the face that lies
- * in the plane isometrically. */
+/* A position of the box while it rolls over the plane. One face lies in the plane. The map x -> map
+ * x + shift maps this face isometrically to its place in the plane. */
 struct roll {
     double map[2][3], shift[2];
     int face;
@@ -89,7 +89,8 @@ static struct roll roll_over(const struct roll *roll, const double size[3], int 
     struct roll rolled = *roll;
     rolled.face = next;
     rolled.passed |= 1u << next;
-    /* a line that leaves the old face runs on the new one against the old face's normal */
+    /* a line that leaves the old face continues on the new face in the direction opposite to the
+     * old face's outward normal */
     for (int i = 0; i < 2; i++) {
         rolled.map[i][from] = -from_sign * to_sign * roll->map[i][to];
         rolled.map[i][to] = 0;

@@ -15,8 +15,8 @@ struct naive_side {
 struct naive_mesh {
     double (*position)[3];
     uint32_t (*corner)[3];
-    /* across[f][k] is the side of the face that shares corners k and k + 1 of face f; its face is
-       NONE on the boundary */
+    /* across[f][k] is a side of the neighbour that shares corners k and k + 1 with face f; its
+     * `face` is NONE on the boundary */
     struct naive_side (*across)[3];
     bool *is_convex; /* true for each inner vertex with a total angle below 2 pi */
     uint32_t vertex_count, face_count;
@@ -28,7 +28,8 @@ typedef long double quadruple;
 typedef __float128 quadruple;
 #endif
 
-/* Returns the square root. One step of Newton's method doubles the digits of the extended root. */
+/* Returns the square root. Computes the root in extended precision, and then doubles its number of
+ * digits by one step of Newton's method. */
 static quadruple quadruple_sqrt(quadruple x)
 {
     if (!(x > 0)) return 0;

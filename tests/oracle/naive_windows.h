@@ -23,8 +23,8 @@ struct naive_field;
  * slower. */
 enum naive_precision { NAIVE_EXTENDED, NAIVE_QUADRUPLE };
 
-/* A point of a face. The largest weight is ignored and computed as 1 minus the other two, so that
- * small weights keep all of their digits. Weights of exactly zero place the point on an edge or a
+/* A point of a face. The solver replaces the largest weight by 1 minus the other two, so that small
+ * weights keep all of their digits. Weights of exactly zero place the point on an edge or a
  * vertex. */
 struct naive_point {
     uint32_t face;

@@ -11,8 +11,9 @@
 extern "C" {
 #endif
 
-/* Levels of adaptive refinement: the maximum that OpenSubdiv allows. Around an extraordinary vertex
- * it approximates at distances below 2^-(level - 1) of a face. Elsewhere it is exact. */
+/* Number of levels of adaptive refinement, which is the maximum that OpenSubdiv allows. OpenSubdiv
+ * approximates the surface at distances below 2^-(level - 1) of a face from an extraordinary
+ * vertex. Elsewhere it is exact. */
 #define OPENSUBDIV_LEVEL 10
 
 bool opensubdiv_is_available(void);
@@ -24,7 +25,7 @@ struct opensubdiv_surface *opensubdiv_create(const struct gd_control_mesh *mesh,
                                              enum gd_scheme scheme);
 void opensubdiv_free(struct opensubdiv_surface *surface);
 
-/* A vertex of a uniform refinement, as a corner of one of its faces. */
+/* A vertex of a uniform refinement, given as a corner of one of the faces around it. */
 struct opensubdiv_vertex {
     struct gd_limit_point place;
     struct gd_vec3 position, normal; /* computed by the limit masks; the normal is not normalized */

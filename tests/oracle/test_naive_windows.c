@@ -251,8 +251,8 @@ static double prism(const void *context, const double p[3], const double q[3])
     return closed_form_prism(*(const double *)context, 5, p, q);
 }
 
-/* Thin tubes: windows could wind around the tube as often as the ratio of length and radius allows.
- * The solver must drop such windows. */
+/* Uses thin tubes. Without pruning, windows would wind around the tube as often as the ratio of its
+ * length and its radius allows. The solver must drop such windows. */
 static void tubes(void **state)
 {
     (void)state;

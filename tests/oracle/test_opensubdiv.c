@@ -12,8 +12,10 @@ struct pair {
     struct gd_subdivision *ours;
     struct opensubdiv_surface *theirs;
     double size;
-    /* Largest differences relative to the size. They concern positions, first and second
-       derivatives; or positions, unit normals, and positions that OpenSubdiv approximates. */
+    /* The largest differences, relative to the size. At places between vertices, they are the
+     * differences of positions, of first derivatives and of second derivatives. At vertices, they
+     * are the differences of positions, of unit normals, and of positions that OpenSubdiv
+     * approximates. */
     double worst[3];
     size_t count;
 };

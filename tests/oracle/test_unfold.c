@@ -24,7 +24,7 @@ static double compare(const struct gd_polygons *mesh, struct rng *rng,
     double at[PLACES][3], worst = 0;
     for (int i = 0; i < PLACES; i++) {
         struct test_place place = test_random_place(mesh, rng);
-        if (i == 1) place.face = 0; /* the same face makes some points share a face */
+        if (i == 1) place.face = 0; /* places 1 and 2 share face 0 */
         if (i == 2) place.face = 0;
         vertex[i] = unfold_insert(unfold, place.face, place.weight);
         test_place_position(mesh, place, at[i]);

@@ -202,8 +202,8 @@ static real between(const struct unfold_mesh *mesh, uint32_t a, uint32_t b)
     return hypotl(hypotl(p[0] - q[0], p[1] - q[1]), p[2] - q[2]);
 }
 
-/* Returns the position of c on the left of the line from a to b. The positions of a and b are
- * given. */
+/* Returns the position of c on the left of the line from a to b. The caller knows the positions of
+ * a and b. */
 static struct place lay_left(const struct unfold_mesh *mesh, uint32_t a, uint32_t b, uint32_t c,
                              struct place at_a, struct place at_b)
 {
@@ -236,8 +236,8 @@ static real distance_to_segment(struct place a, struct place b)
     return hypotl(a.x + t * d.x, a.y + t * d.y);
 }
 
-/* Returns whether, for every point of the edge, a path through the cone is longer than a known
- * path. */
+/* Returns whether, for every point of the edge, a path through the cone is longer than a known path
+ * to this point. */
 static bool is_hopeless(const struct unfold_mesh *mesh, const struct cone *cone)
 {
     real length = hypotl(cone->at_left.x - cone->at_right.x, cone->at_left.y - cone->at_right.y);

@@ -2,11 +2,11 @@
  * with the engine.
  *
  * A shortest path is a chain of straight segments between vertices; a path may bend at any vertex.
- * Unfolding finds the segments: from the first vertex, every sequence of faces that a cone of
- * directions can pass is laid out in the plane, depth first. A sequence ends where a path through
- * it would be longer than a known path to every point of the next edge. Points that are not
- * vertices are inserted by splitting their face or edge, which changes no distance. Suitable for
- * some hundred faces. */
+ * Unfolding finds the segments. From the first vertex, the solver lays out in the plane every
+ * sequence of faces that a cone of directions can pass, depth first. A sequence ends where, for
+ * every point of the next edge, a path through the sequence is longer than a known path. Points
+ * that are not vertices are inserted by splitting their face or edge, which changes no distance.
+ * Suitable for some hundred faces. */
 #ifndef TESTS_ORACLE_UNFOLD_H
 #define TESTS_ORACLE_UNFOLD_H
 

@@ -1,6 +1,6 @@
 /* Computes shortest paths in a plane among polygonal obstacles. Builds the visibility graph in
- * O(n^3), and then runs Dijkstra's algorithm. Orientations must be exact in double precision.
- * Coordinates should therefore be multiples of some 2^-k with few bits. */
+ * O(n^3), and then runs Dijkstra's algorithm. The orientation of any three points must be exact in
+ * double precision. Coordinates should therefore be multiples of some 2^-k with few bits. */
 #ifndef TESTS_ORACLE_VISIBILITY_H
 #define TESTS_ORACLE_VISIBILITY_H
 

@@ -42,7 +42,7 @@ static void close_plane(struct plane *plane)
     gd_polygons_free(&plane->polygons);
 }
 
-/* Returns a point 1 to 10^-digits away from a random vertex or edge. */
+/* Returns a point near a random vertex or edge, at a distance between 10^-digits and 1. */
 static struct gd_point beside_something(const struct plane *plane, int digits, struct rng *rng)
 {
     uint32_t face = rng_below(rng, plane->polygons.polygon_count), k = rng_below(rng, 3);

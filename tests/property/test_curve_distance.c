@@ -73,8 +73,8 @@ struct sums {
     int meetings, pairs;
 };
 
-/* Records the angle between the shortest path and a curve. If the angle were less than a right
- * angle, the path could be shorter. */
+/* Records the angle between the shortest path and a curve. The angle is at least a right angle,
+ * because otherwise a shorter path would exist. */
 static void check_angle(const struct gd_curve *curve, double angle, struct sums *sums)
 {
     assert_true(isnan(angle) == (curve->count == 1));
@@ -239,7 +239,8 @@ static void lines_in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Tests the two boundaries of a cylinder. Also passes a curve other than the field's curve. */
+/* Tests the two boundaries of a cylinder. Also tests a request with another curve than the one from
+ * which the field was built. */
 static void boundaries(void **state)
 {
     (void)state;

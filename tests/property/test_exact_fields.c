@@ -10,7 +10,7 @@
 
 enum { FIELDS = 6, PLACES = 24, NEAR = 6, SETS_MOST = 5 };
 
-static const double SNAP = 1e-14;     /* in edge lengths */
+static const double SNAP = 1e-14;     /* the engine moves points by at most this many edge lengths */
 static const double ROUNDING = 1e-11; /* permitted relative difference of two compared distances */
 
 static struct gd_field *build_field(struct exact_unit *unit)
@@ -120,7 +120,8 @@ static double rounded(double x, int digits)
     return strtod(text, NULL);
 }
 
-/* Checks the law |d(s, x) - d(v, x)| <= |sv| and both distances. */
+/* Checks the law |d(s, x) - d(v, x)| <= |sv|, and both distances, for a source s close to a vertex
+ * v. */
 static void check_law(struct exact_unit *unit, struct exact_truth *truth,
                       const struct gd_field *beside, const struct gd_field *vertex,
                       struct gd_point point, double apart)

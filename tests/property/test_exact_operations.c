@@ -290,9 +290,9 @@ static void traces(uint64_t number, struct exact_tally *tally)
 
 /* --- log, exp and transport ------------------------------------------------------------------- */
 
-/* Checks that exp of the log ends where the path ends. In graded patches only the success of exp is
- * checked: a direction in double precision does not determine on which side a line passes an apex
- * at a distance of 1e-20. */
+/* Checks that exp of the log ends where the path ends. In graded patches, checks only that exp
+ * succeeds. There, lines pass the apex at distances of 1e-20, and a direction in double precision
+ * does not determine the side on which a line passes. */
 static void check_exp(struct exact_unit *unit, const struct gd_log *log,
                       const struct gd_point *from, const struct gd_point *to)
 {
@@ -383,8 +383,8 @@ static void check_spline(struct exact_unit *unit, const struct gd_spline *spline
     gd_spline_line_free(&line);
 }
 
-/* Returns whether no two consecutive points count as equal. The engine treats points as equal if
- * they are closer than 1e-12 of their neighbours' distance. */
+/* Returns whether no two consecutive points count as equal. The engine treats consecutive points as
+ * equal if their distance is less than 1e-12 times the distance of their neighbours. */
 static bool are_apart(const struct exact_scene *scene, const struct gd_point *points,
                       uint32_t count)
 {

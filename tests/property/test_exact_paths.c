@@ -1,5 +1,5 @@
-/* Tests paths into the smallest faces. Also computes the same distance by every operation of the
- * engine. */
+/* Tests paths into the smallest faces. Also computes the distance of one pair by every operation of
+ * the engine, and compares the results. */
 #include <math.h>
 #include <stdlib.h>
 

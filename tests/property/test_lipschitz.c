@@ -3,8 +3,8 @@
  * d(x, y). Sets are random points and a curve, with offsets. The law is tested at random points
  * inside faces, on every mesh of a folder (tests/support/shared.h).
  *
- * With offsets d_A(x) = min over the members of offset + d(x, member). This is a minimum of
- * functions that obey the law, and therefore obeys the law, too. */
+ * With offsets, d_A(x) is the minimum of offset + d(x, member) over the members. Each of these
+ * functions obeys the law, so their minimum obeys it, too. */
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>

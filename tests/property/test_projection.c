@@ -1,8 +1,9 @@
 /* Reproduces Figure 1 of "Geodesic Hermite splines on triangular meshes": Hermite curves in space
  * that are projected onto the surface (to the nearest point, and along two view directions),
- * compared with splines on the surface. Projected curves are discontinuous, because their widest
- * gap does not shrink with finer sampling. A projection along a direction may also miss the
- * surface. Splines on the surface have neither defect. */
+ * compared with splines on the surface. If a curve is sampled more finely, the widest gap between
+ * samples shrinks, unless the curve is discontinuous. The gaps of projected curves do not shrink. A
+ * projection along a direction may also miss the surface. Splines on the surface have neither
+ * defect. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -154,9 +155,9 @@ static double widest_of_ours(const struct scene *scene, uint32_t count)
 
 /* --- the figure ------------------------------------------------------------------------------- */
 
-/* Checks that FINER times as many samples make the spline's gaps FINER times as small. Nearest
- * points keep their gaps. View directions miss the surface, jump, or hit a part that hides the
- * points. */
+/* Checks that FINER times as many samples make the spline's gaps FINER times as small, while the
+ * projection to nearest points has wide gaps. Also checks that a projection along a view direction
+ * misses the surface, has wide gaps, or hits a part in front of the points. */
 static void check(struct scene *scene)
 {
     static const struct gd_vec3 views[2] = {{0.6, 0, -0.8}, {0, 0.8, -0.6}};

@@ -184,7 +184,8 @@ static double check_scene(struct scene *scene)
     return worst;
 }
 
-/* Tests a field with a target, which ends at a bound that decreased during propagation. */
+/* Tests a field with a target. The propagation of such a field ends at a bound that decreases
+ * meanwhile. */
 static double check_targets(struct scene *scene)
 {
     double worst = 0;

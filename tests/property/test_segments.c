@@ -103,8 +103,8 @@ static double least_along_curve(const struct gd_mesh *mesh, const struct gd_fiel
     return best;
 }
 
-/* Checks that an offset of 0.7 increases all distances by 0.7. With the offset, a segment and its
- * own ends give distances that differ by rounding. */
+/* Checks that an offset of 0.7 increases all distances by 0.7. With the offset, the distance
+ * through a segment and the distance through its ends differ by rounding. */
 static void check_offset(const struct gd_mesh *mesh, const struct gd_field *field,
                          const struct gd_polygons *polygons, struct rng *rng)
 {

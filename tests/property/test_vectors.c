@@ -93,8 +93,8 @@ static const struct gd_point *end_of(const struct gd_trace *trace)
 
 /* --- log and exp ------------------------------------------------------------------------------ */
 
-/* Returns whether the trace passes no vertex and ends inside the surface. Past a vertex, a rounding
- * error of the start decides how the trace continues. */
+/* Returns whether the trace passes no vertex and ends inside the surface. If a trace passes a
+ * vertex, a rounding error of its start decides how it continues. */
 static bool is_straight(const struct gd_trace *trace)
 {
     for (uint32_t i = 1; i + 1 < trace->path.count; i++)

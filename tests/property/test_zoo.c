@@ -34,8 +34,8 @@ static double plane(const double *values, const double p[3], const double q[3])
     return hypot(p[0] - q[0], p[1] - q[1]);
 }
 
-/* A path from one side of the pillow to the other crosses one of the four rims. Its length is the
- * distance to the point reflected in this rim. */
+/* A path from the front of the pillow to its back crosses one of the four rims. The length of the
+ * path is the distance to the point's reflection in this rim. */
 static double pillow(const double *values, const double p[3], const double q[3])
 {
     double best = INFINITY;
@@ -220,7 +220,7 @@ static void ask_closed_form(const struct animal *animal, const struct zoo_shape 
     }
 }
 
-/* Moves the shape to the origin, where positions on edges and in faces have rounding errors
+/* Moves the shape to the origin. There, rounding errors of positions on edges and in faces are
  * relative to the shape's size. */
 static struct unfold_mesh *unfold_about_origin(const struct zoo_shape *shape)
 {

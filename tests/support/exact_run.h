@@ -43,13 +43,13 @@ int exact_main(int argc, char **argv, const struct exact_section *sections, uint
 struct exact_answer {
     /* the error divided by the permitted error; the value is wrong if this exceeds 1 */
     double excess;
-    double error; /* relative */
+    double error; /* relative error */
     double answered, expected;
     struct gd_point point;
 };
 
-/* One unit of a tally while its values are compared. Only the first line is set at first; the rest
- * is zero. */
+/* One unit of a tally while its values are compared. At first, only the members of the first line
+ * are set, and the others are zero. */
 struct exact_unit {
     const struct exact_scene *scene;
     const struct gd_seed *seeds; /* the sources, which reports print */

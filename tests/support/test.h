@@ -23,8 +23,8 @@
 #define TEST_IS_SANITIZED 0
 #endif
 
-/* Sanitizers slow the long tests down some ten times. With them, these tests make one repetition of
- * TEST_STRIDE. */
+/* Sanitizers slow the long tests down some ten times. With a sanitizer, these tests make one of
+ * TEST_STRIDE repetitions. */
 #define TEST_STRIDE (TEST_IS_SANITIZED ? 4 : 1)
 
 #include "gd/point.h"
