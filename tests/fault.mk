@@ -7,9 +7,9 @@ ASAN_PROGRAMS = $(patsubst %.c,$(ASAN_BUILD)/%,$(filter tests/unit/%,$(TEST_ENGI
 
 ##@ Sanitizers, fuzzing and faults
 
-# The tests under sanitizers and the fuzzers share one build by clang.
-# Without -shared-libasan clang adds its runtime to each program. The folder that clang 19 prints as
-# that of its runtime does not exist in Debian 13.
+# The fuzzers and the tests under sanitizers use one build by clang. Without -shared-libasan clang
+# adds its runtime to each program. The folder that clang 19 prints as that of its runtime does not
+# exist in Debian 13.
 SANITIZED    := BUILD=$(ASAN_BUILD) CC=clang CXX=clang++ OPT=-O1 \
                 SAN="-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all" \
                 TEST_LDFLAGS="-shared-libasan -Wl,-rpath,$$(dirname $$(clang -print-file-name=libclang_rt.asan-$$(uname -m).so))"
@@ -53,7 +53,8 @@ fuzz-build:
 $(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/reader.c tests/fuzz/patched.c tests/fuzz/promise.c tests/fuzz/soup.c) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE) $(LINK)
 	$(call link,$(CXX)) -fsanitize=fuzzer $(ENGINE_LIBS) $(SERVER_LIBS)
 
-# A copy of $(MAKE): `make -n` runs recipe lines that contain $(MAKE) itself.
+# A copy of $(MAKE) for recipes, because `make -n` runs the recipe lines that contain $(MAKE)
+# itself.
 SELF := $(MAKE)
 
 # Prints a table of promises and their measurements (tests/fault/table.py). ONLY=WORD: only rows

@@ -1,5 +1,5 @@
-"""Runs HAProxy in front of nodes with the shipped docker/haproxy.cfg. Only the addresses and the
-replacements of a test differ from the shipped file."""
+"""Runs HAProxy in front of nodes. Its configuration is the shipped docker/haproxy.cfg, with other
+addresses and with the replacements of a test."""
 import pathlib
 import re
 import subprocess

@@ -119,7 +119,7 @@ class Uploads:
         self.thread.join()
 
     def ask(self, method, path, body=None):
-        """Returns status and body; status 0: the connection broke."""
+        """Returns the status and the body. The status 0 means that the connection broke."""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
         try:
             connection.request(method, path, body)

@@ -35,7 +35,7 @@ from figures import conclude, report
 NODES = 3
 NAMES = 300
 ERRORS = 3  # errors after which HAProxy regards a node as dead: error-limit
-BUDGET = "40MiB"  # holds a third of the requested fields
+BUDGET = "40MiB"  # memory for a third of the requested fields
 POST = {"Content-Type": "application/json"}
 
 

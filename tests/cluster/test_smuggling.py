@@ -34,7 +34,7 @@ def path_of(uri):
 
 
 class Observed:
-    """A daemon behind HAProxy, and the requests that each of both has logged. HAProxy sends
+    """A daemon behind HAProxy, and the requests that each of the two has logged. HAProxy sends
     requests to `port`, or to the daemon if `port` is None."""
 
     def __init__(self, daemon, port=None):
@@ -66,7 +66,7 @@ class Observed:
         return [(line["method"], line["path"], line["request_id"]) for line in list(self.daemon.log) if line["event"] == "request" and line["path"] != "/readyz"]
 
     def difference(self):
-        """Returns the first request on which both disagree, or None.
+        """Returns the first request in which the two logs differ, or None.
 
         The daemon reads the forwarded requests in order, except those that the library refuses. An
         answer may be lost if the daemon closes before the proxy has sent the whole body."""
@@ -119,8 +119,8 @@ class Smuggling(unittest.TestCase):
         print(f"      behind haproxy: {len(cases)} cases, {len(forwarded)} requests passed on, {len(read)} read by the daemon, 0 by one side only")
 
     def test_a_lax_reader_is_noticed(self):
-        """Repeats the comparison with a server that ignores lengths, and so reads a request inside
-        a body."""
+        """Repeats the comparison with a server that ignores lengths, and therefore reads a request
+        inside a body."""
 
         class Lax(Relay):
             def _pump(self, source, sink):

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Makes allocations fail in the daemon (alloc_preload.c), during one request of each route. Each
-allocation of the daemon, its libraries and libc fails for each call path that leads to it: in one
-run this allocation alone, in another run this one and all later ones. The answer must be a problem
-(507, 503), the correct answer, or a closed connection. Afterwards the daemon still runs, answers
-the same request correctly, and holds no more memory than before.
+call path (stack of return addresses) to an allocation of the daemon, of its libraries or of libc
+fails once alone, and once together with all later allocations. The answer must be a problem (507,
+503), the correct answer, or a closed connection. Afterwards the daemon still runs, answers the same
+request correctly, and holds no more memory than before.
 
     tests/fault/alloc.py [--short] [--only WORD]     --short: call paths that have failed
     in one request do not fail again in others
@@ -117,7 +117,8 @@ class Request:
 
 
 def all_requests(document):
-    """Returns one request for each operation; an upload, a change and a query also as jobs."""
+    """Returns one request for each operation. An upload, a change and a query are also returned as
+    jobs."""
     operations = [(method, path, operation) for path, item in document["paths"].items() for method, operation in item.items()
                   if method in ("get", "put", "post", "delete")]
     return [Request(document, *each) for each in operations] + [Request(document, *each, is_async=True) for each in operations if each[:2] in JOBS]
@@ -307,7 +308,7 @@ def try_once(scene, request, order, tally):
 
 
 def sweep(scene, request, tally):
-    """Runs trials until no allocation fails any more, first with single failures, and then with
+    """Runs trials until each call path has failed, first with single failures, and then with
     lasting failures."""
     for order in (FRESH, LASTING):
         known = bytes(scene.control.stacks)

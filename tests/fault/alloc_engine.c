@@ -3,7 +3,7 @@
  * the correct answer to the last bit. Afterwards it holds no more memory than before, and works
  * again.
  *
- *     gd_alloc [--short] [--list] [WORD]     operations whose name has that word in it
+ *     gd_alloc [--short] [--list] [WORD]     tests operations whose name contains this word
  *                                            --list: prints the addresses of failed calls
  *
  * Each call path (stack of return addresses) fails once alone, and once together with all later
@@ -131,7 +131,7 @@ static bool try_one(const struct operation *operation, struct result expected,
 
 /* --- all of one operation --------------------------------------------------------------------- */
 
-/* Repeats trials with one kind of `order` until no call fails any more. */
+/* Repeats trials with one kind of `order` until no further call fails. */
 static void try_each(const struct operation *operation, struct result expected, const char *kind,
                      struct allocator_order order)
 {

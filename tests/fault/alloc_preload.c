@@ -1,6 +1,6 @@
 /* Preloaded library that makes allocations of a whole process fail (its own, its libraries' and
- * libc's). The file ALLOC_CONTROL, a struct control that the process and alloc.py both map, gives
- * the orders. */
+ * libc's). alloc.py gives the orders in the file ALLOC_CONTROL. The file has a struct control,
+ * which both the process and alloc.py map. */
 #include "stacks.h"
 
 #include <dlfcn.h>
@@ -14,11 +14,11 @@
 enum order { ORDER_FINE, ORDER_FRESH, ORDER_LASTING };
 
 struct control {
-    /* FRESH makes the first call fail whose call path has had no failure; LASTING also makes all
-       later calls fail */
+    /* FRESH makes the first call fail whose call path has not failed yet; LASTING also makes all
+     * later calls fail */
     _Atomic uint32_t order;
     _Atomic uint32_t failures; /* number of failures since alloc.py set this to 0 */
-    _Atomic int64_t blocks;    /* held */
+    _Atomic int64_t blocks;    /* number of held blocks */
     struct stacks stacks;      /* call paths that have failed */
     struct stacks sites;       /* the return addresses of calls that have failed */
 };

@@ -1,5 +1,5 @@
-/* Allocator: malloc and its relatives, mmap and mremap, which fail on order when the engine calls
- * them. The program is linked with --wrap. */
+/* Allocator: replaces malloc and its relatives, mmap and mremap by functions that fail on order
+ * when the engine calls them. The program is linked with --wrap. */
 #ifndef TESTS_FAULT_ALLOCATOR_H
 #define TESTS_FAULT_ALLOCATOR_H
 
@@ -17,7 +17,7 @@ struct allocator_book {
 /* Selects the calls that fail after allocator_arm. If all members are zero, no call fails. */
 struct allocator_order {
     unsigned long nth; /* the number of the call that fails, from 1; 0 selects no call by number */
-    bool fresh;        /* makes the first call fail whose call path has had no failure */
+    bool fresh;        /* makes the first call fail whose call path has not failed yet */
     bool lasting;      /* also makes all later calls fail */
 };
 

@@ -28,8 +28,8 @@ MIB = 1 << 20
 SLACK = 64 * MIB
 LISTS = 20
 LIVEZ_MS = 50
-CUT_SECONDS = 45  # the timer of 30 seconds in libmicrohttpd, and a margin
-# kinds of requests that take long while other tests run
+CUT_SECONDS = 45  # the timeout of 30 seconds in libmicrohttpd, and a margin
+# kinds of requests that --short omits, because they take long while other tests run
 LONG = ("spline", "picture", "voronoi", "evaluate", "exp", "queries", "derived file", "preview", "limit trace", "figure", "cut locus",
         "moving object")
 JSON = {"Content-Type": "application/json"}
@@ -167,7 +167,8 @@ def in_ring(count):
 
 
 def requests(daemon, size):
-    """Returns requests whose answers have about `size` bytes, if their kind allows so many."""
+    """Returns requests whose answers have about `size` bytes, or fewer if their kind does not allow
+    so many."""
     points = size // 60
     rows = int((size / 19) ** 0.5)
     those = [{"vertex": i % 24} for i in range(rows)]  # few different points need few fields

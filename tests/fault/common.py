@@ -52,8 +52,8 @@ class Shimmed(Daemon):
 
 
 def edges(daemon):
-    """Returns each mesh's name and the length of its edge v0-v1 by a query, which reads and
-    verifies the file."""
+    """Returns the name of each mesh, with the length of its edge v0-v1. The length is from a query,
+    for which the daemon reads and verifies the mesh's file."""
     found = {}
     for item in daemon.get("/v1/meshes?limit=100").json["meshes"]:
         answer = daemon.get(f"/v1/meshes/{item['name']}/distance?from=v:0&to=v:1")

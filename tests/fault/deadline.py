@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tests deadlines. Sends expensive queries of every kind on large surfaces, each with a random
-deadline that is mostly too short. The overrun is the time from the deadline to the answer, by the
-clock of the daemon's log and by the client's. An upload cannot name a deadline, so uploads go to
+deadline that is mostly too short. The overrun is the time from the deadline to the answer. It is
+measured by the daemon's log and by the client. An upload cannot name a deadline, so uploads go to
 daemons with a short `--timeout-ms`.
 
     tests/fault/deadline.py [--count N] [--clients N] [--seed N] [--only KIND,KIND] [--short]

@@ -31,8 +31,8 @@ from test_tls import make_certificate
 PATIENCE_SECONDS = 60
 SETTLE_SECONDS = 15
 ANSWER_BYTES = 30000  # largest number of bytes of an answer that a client reads
-# longest times that a client waits for an answer to begin and to continue; afterwards the client
-# disconnects
+# A client disconnects if an answer does not begin within the first time, or does not continue
+# within the second.
 WAIT_SECONDS, SILENCE_SECONDS = 0.3, 0.005
 FLAGS = ("--memory-budget", "128MiB", "--max-body", "16MiB", "--workers", "2", "--http-threads", "2", "--job-ttl-s", "1")
 RESET = struct.pack("ii", 1, 0)  # SO_LINGER: close by a reset at once
@@ -99,7 +99,8 @@ class Vanisher:
             self.go(connection, connection, "in the answer")
 
     def text(self):
-        """Returns a request: one, two at once, one in chunks, or one with Expect: 100-continue."""
+        """Returns the bytes of one request, of two requests, of a request in chunks, or of a
+        request with Expect: 100-continue."""
         request = self.requests.next()
         form = self.chance.random()
         if form < 0.1 and request.body:
@@ -130,8 +131,8 @@ class Vanisher:
 
 
 def settle(daemon, names, least):
-    """Waits until these metrics are at most `least`, for a shorter time than the timeout of an idle
-    connection. Returns the metrics that are still larger."""
+    """Waits until these metrics are at most `least`. Waits for less time than the timeout of an
+    idle connection. Returns the metrics that are still larger."""
     until = time.monotonic() + SETTLE_SECONDS
     while True:
         held = process.metrics(daemon)

@@ -143,7 +143,8 @@ def try_call(place, number, library, call):
 
 
 def try_start(place, number, library, call):
-    """A start during the fault may fail with a message. The next start finds all stored data."""
+    """Tests a start during which the disk fails. The start may fail with a message. The next start
+    finds all stored data."""
     trial = Trial(place, number, library)
     trial.daemon.stop()
     trial.order(f"eio {call}")
@@ -177,8 +178,8 @@ def try_short(place, library):
 
 
 def try_rebuild(place, number, library, call):
-    """The database is lost, and the disk has no room to rebuild all of it. Then a mesh with the
-    same bytes is created and deleted under another name."""
+    """The database is lost, and the disk has room to rebuild only a part of it. Then a client
+    creates a mesh with the same bytes under another name, and deletes it."""
     trial = Trial(place, number, library)
     trial.put("c", 3.5)
     trial.daemon.stop()
@@ -207,8 +208,8 @@ def run(kind, one, place, library, most, wrong, step=1):
 
 
 def run_beside(work, count, watch):
-    """Runs `watch` while `count` threads repeatedly call `work` with their number. Returns the
-    result of `watch`."""
+    """Starts `count` threads. Each thread calls `work` repeatedly, with its number. Meanwhile runs
+    `watch`, and returns the result of `watch`."""
     stop = threading.Event()
 
     def repeat(number):
@@ -257,8 +258,8 @@ def wait_for_no_disk(place, library):
 
 
 def come_and_go(place, library):
-    """Loads a mesh while it is deleted or replaced. The mesh is found or absent, but is never
-    reported as damaged."""
+    """Loads a mesh while a client deletes or replaces it. The daemon finds the mesh or reports it
+    as absent, but never reports it as damaged."""
     files = [harness.sample("grid", columns=40 + number, rows=40) for number in range(6)]
     # the budget has room for one or two meshes
     trial = Trial(place, "coming", library, "--memory-budget", "4MiB", "--max-body", "1MiB")
@@ -285,8 +286,8 @@ def come_and_go(place, library):
 
 
 def end_while_waiting(place, library):
-    """A daemon that stops while uploads wait for the disk refuses those uploads, and keeps what it
-    acknowledged."""
+    """Stops a daemon while uploads wait for the disk. The daemon refuses these uploads, and keeps
+    all acknowledged changes."""
     trial = Trial(place, "ending", library, "--drain-ms", "100")
     trial.order(f"slow {5 * SLOW_MS}")
     with concurrent.futures.ThreadPoolExecutor(12) as pool:

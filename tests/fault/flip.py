@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Flips single bytes anywhere in the data folder of a stopped or killed daemon. The daemon starts.
-Every answer is either unchanged, or the damage was found and that mesh is reported as unavailable;
-other meshes are served.
+"""Flips single bytes anywhere in the data folder of a stopped or killed daemon. Then the daemon
+must start. Its answers must be unchanged, except for a mesh that it reports as unavailable, because
+it has found the damage.
 
     tests/fault/flip.py [--flips N] [--seed N]
 """
@@ -65,8 +65,8 @@ def has_all_kinds(folder):
 
 
 def answers(daemon):
-    """Returns all that a client can see: descriptions, contents, distances. Each is a status and a
-    body."""
+    """Returns the answers that a client can get: descriptions, contents, distances. Each answer has
+    a status and a body."""
     seen = {}
     get_landmarks(daemon)
     for item in daemon.get("/v1/meshes?limit=100").json["meshes"]:
@@ -81,8 +81,9 @@ def answers(daemon):
 
 
 def prepare(place):
-    """Prepares the folder of a stopped daemon, and that of a killed one, so that the database's log
-    is full. Returns both with their answers."""
+    """Prepares two folders: of a stopped daemon, and of a killed daemon, whose database has a log
+    that is not empty. Returns both folders, and the answers that a daemon on either folder
+    gives."""
     closed, killed = place / "closed", place / "killed"
     daemon = Shimmed(closed, *FLAGS)
     for name, body in [("gone", mesh(9)), ("large", LARGE), *MESHES.items()]:

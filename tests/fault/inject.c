@@ -14,8 +14,8 @@
  *     slow N      each fsync, and each removal of a file, takes N milliseconds longer
  *     fine        nothing fails
  *
- * "From now on" means: since the order changed. The first failure of an order leaves a file
- * INJECT_ORDER.fired. */
+ * "From now on" means after the last change of the order. The first failure of an order leaves a
+ * file INJECT_ORDER.fired. */
 #include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Overload: a closed loop measures the daemon's capacity for a mix of expensive queries; then an
-open loop offers five times as much, regardless of the answers. Excess requests must be refused at
-once; the others and /livez must be answered as fast as before.
+open loop offers five times as much, regardless of the answers. The daemon must refuse excess
+requests at once, and answer the other requests and /livez as fast as before.
 
     tests/fault/overload.py [--seconds N] [--seed N] [--short]
 
-Requests come from gd_load (load.c), whose one thread uses some hundredths of a processor and so
-needs no raised priority. The capacity is the mean of the measurements before and after. No query
-repeats, so that no cache helps. --short: small surfaces, and bounds that hold while other tests use
-the processors.
+Requests come from gd_load (load.c), whose single thread uses some hundredths of a processor, so its
+priority is not raised. The capacity is the mean of two measurements, before and after the overload.
+No query repeats, so no answer comes from a cache. --short: small surfaces, and bounds that hold
+while other tests use the processors.
 """
 import argparse
 import json

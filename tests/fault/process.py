@@ -9,7 +9,7 @@ def status(daemon):
 
 
 def resident(daemon):
-    """Returns the bytes of resident memory that no file backs."""
+    """Returns the size in bytes of the resident memory that is not backed by a file."""
     return int(status(daemon)["RssAnon"].split()[0]) << 10
 
 

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Power cuts. record.c records one scenario's changes to the data folder, through several lives of
-the daemon, some of which end by a kill. For each prefix of the changes, the folder is rebuilt as it
-may be after a power cut at that moment. Then --check-store must find no fault, the daemon must
-start, and every change acknowledged before must be there.
+the daemon, some of which end by a kill. For each prefix of the changes, the test rebuilds the
+folder in a state that a power cut at that moment may leave. Then --check-store must find no fault,
+the daemon must start, and every change that was acknowledged before must be there.
 
 A cut may lose changes that were not synced: contents written since the file's last fsync, and names
 changed since their folder's last fsync. Each cut is tried in three modes, which differ in the
 changes that survive:
     none     none of them
-    mixed    some of them: each write, and each name, by the toss of a coin
+    mixed    a random half of them: each write and each name survives with probability 1/2
     all      all of them (as after a kill)
 
     tests/fault/replay.py [--step N] [--mixed N] [--seed N]
@@ -47,8 +47,8 @@ STEPS = [("a", 1.5, 0), ("b", 0.75, 9000), ("a", 1.25, 0), ("c", 1.25, 0), ("b",
 
 
 class Scenario:
-    """Creates meshes, replaces them by other and by the same contents, shares contents, deletes;
-    restarts and kills in between."""
+    """Creates meshes, some of them with equal contents. Replaces meshes by other contents and by
+    the same contents, and deletes meshes. Restarts and kills the daemon several times."""
 
     def __init__(self, root, log, library):
         self.folder, self.log, self.library = root / DATA, log, library
@@ -198,7 +198,7 @@ class Disk:
                 del folder.now[name]
 
     def write(self, root, lost, chance):
-        """Makes the folder in the state after a power cut."""
+        """Writes the folder in the state after a power cut."""
         def write_folder(folder, path):
             path.mkdir()
             for name, node in folder.names(lost, chance).items():

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""kill -9 in the middle of --restore: a daemon refuses to start on the partial folder, unless the
-folder is complete; running the same command again completes it. Likewise --backup, whose unfinished
-copies can't be restored.
+"""Kills --restore by SIGKILL at random times. A daemon must refuse to start on a partly restored
+folder, and the same command must complete the folder. Also kills --backup: an unfinished copy can't
+be restored until the same command completes it.
 
     tests/fault/restore.py [--count N] [--seed N]
 """

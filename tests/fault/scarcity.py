@@ -76,8 +76,9 @@ def few_descriptors():
 
 
 def crowd(daemon, wrong, cpu_most, *upload_statuses):
-    """Connects more clients than descriptors: connected ones are answered, the others wait.
-    `cpu_most` limits the processor time for each second of waiting."""
+    """Connects more clients than the daemon has descriptors. The daemon answers the clients that it
+    has accepted, and the other clients wait. `cpu_most` limits the processor time for each second
+    of waiting."""
     with contextlib.ExitStack() as stack:
         clients = [stack.enter_context(socket.create_connection(("127.0.0.1", daemon.port), timeout=PATIENCE_SECONDS)) for _ in range(CLIENTS)]
         for client in clients:
@@ -96,7 +97,8 @@ def crowd(daemon, wrong, cpu_most, *upload_statuses):
 
 
 def start_with_few(place):
-    """The daemon limits its connections, so that it keeps the descriptors that it needs itself."""
+    """Starts a daemon with few descriptors. It limits its connections, so that it keeps the
+    descriptors that it needs itself."""
     wrong = []
     with few_descriptors():
         daemon = start(place, "few")
@@ -106,9 +108,10 @@ def start_with_few(place):
 
 
 def run_out(place):
-    """No descriptors are left for files either, as if the whole system had run out of descriptors.
-    Uploads are refused during this time only. An HTTP thread of libmicrohttpd that has no
-    connection repeats accept at once, so it may use a whole processor during this time."""
+    """Takes the descriptors for connections and for files from a running daemon, as if the whole
+    system had run out of descriptors. Uploads are refused during this time only. An HTTP thread of
+    libmicrohttpd that has no connection repeats accept at once, so it may use a whole processor
+    during this time."""
     wrong, daemon = [], start(place, "none")
     limits = resource.prlimit(daemon.process.pid, resource.RLIMIT_NOFILE)
     resource.prlimit(daemon.process.pid, resource.RLIMIT_NOFILE, (descriptors(daemon) + 8, limits[1]))
@@ -162,8 +165,8 @@ def jump_clock(place, library):
 
 
 def stop_and_go(place):
-    """Stops and continues the daemon repeatedly while it works; signals of writing without a reader
-    are ignored."""
+    """Stops and continues the daemon repeatedly while it works. Also sends SIGPIPE, which the
+    daemon ignores."""
     wrong = []
     daemon = start(place, "signals")
     for number in range(40):

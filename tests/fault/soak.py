@@ -5,9 +5,9 @@ time, and watches memory, descriptors and threads. Prints the series; --svg also
     tests/fault/soak.py [--seconds N] [--clients N] [--pause MS] [--seed N] [--svg FILE]
 
 The daemon is warm once the memory budget has been used up, but not before the first quarter. From
-then on the slope of resident memory (by least squares) and the numbers of threads and descriptors
-are measured. At the end everything is removed and the clients leave; the remaining resources are
-compared with those before the clients came.
+then on, the test measures the slope of resident memory (by least squares) and the numbers of
+threads and descriptors. At the end everything is removed and the clients leave; the remaining
+resources are compared with those before the clients came.
 """
 import argparse
 import collections
@@ -27,7 +27,7 @@ MIB = 1 << 20
 BUDGET = 128 * MIB
 SAMPLES = 240
 ROWS = 24  # number of rows of the printed series
-FULL = 0.9  # the budget counts as used up from this share on
+FULL = 0.9  # the budget counts as used up if this share of it is used
 DRIFT = 0.05  # growth by more than this share of the budget over the measured time is a leak
 SHORT_SECONDS = 600  # in a soak shorter than this, the caches may still be filling
 TRIM_SECONDS = 11  # period in which the daemon returns free heap memory to the system

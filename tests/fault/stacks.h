@@ -1,5 +1,5 @@
-/* Stacks: a set of seen call paths, so that each is made to fail once. Threads may share a set; it
- * lies in shared memory, so that processes may share it, too. */
+/* Stacks: a set of call paths that have occurred, so that a test can make each of them fail once. A
+ * set lies in shared memory, so threads and processes may share it. */
 #ifndef TESTS_FAULT_STACKS_H
 #define TESTS_FAULT_STACKS_H
 
@@ -10,7 +10,7 @@
 
 enum { STACKS_SLOTS = 1 << 16, STACKS_DEPTH = 24 };
 
-/* All zero: empty. */
+/* If all members are zero, the set is empty. */
 struct stacks {
     _Atomic uint32_t count;
     _Atomic uint64_t keys[STACKS_SLOTS];

@@ -5,9 +5,9 @@ of waiting requests.
     tests/fault/tenants.py [--count N] [--short]
 
 Both tenants request new fields, each of which takes some hundredths of a second. The victim sends
-one request after the other; the flood has five times as many as the daemon can answer. The floods
-come from gd_load (load.c). --short: smaller surfaces, and no bound on the ratio, since other tests
-use the processors; but no query may be refused.
+one request after the other. The flood sends five times as many requests as the daemon can answer.
+The floods come from gd_load (load.c). --short: smaller surfaces, and no bound on the ratio, since
+other tests use the processors; but no query may be refused.
 """
 import argparse
 import http.client

@@ -8,7 +8,7 @@
 
 void promise(int holds);
 
-/* Checks that the text is JSON without duplicate members. Frees the writer. */
+/* Checks that the writer's text is JSON without duplicate members. Frees the writer. */
 void promise_json(struct proto_writer *writer);
 
 /* Checks that the problem has a detail sentence and is encoded as JSON. */

@@ -134,7 +134,7 @@ static double difference(double a, double b)
 }
 
 /* Decides which distance is wrong. The length of the shorter path is the reference. A distance
- * below this length is wrong too, because no path has it. */
+ * below this length is wrong too, because no path is so short. */
 static enum verdict judge(double ours, double theirs, long double our_path, long double their_path)
 {
     double best = (double)fminl(our_path, their_path);

@@ -8,7 +8,7 @@
 #include "gd/polygons.h"
 #include "gd/status.h"
 
-/* All zero: empty. */
+/* If all members are zero, the mesh is empty. */
 struct sample_builder {
     struct gd_polygons mesh; /* the triangles added so far */
     uint32_t position_capacity, triangle_capacity;
@@ -27,7 +27,8 @@ struct sample_lattice {
     bool wrap_columns, wrap_rows; /* the last column (row) is joined to the first */
 };
 
-/* Adds two triangles for each cell of the lattice. Counter-clockwise is from columns to rows. */
+/* Adds two triangles for each cell of the lattice. The triangles are counter-clockwise if columns
+ * are numbered to the right and rows upwards. */
 void sample_add_lattice(struct sample_builder *builder, struct sample_lattice lattice);
 
 /* A block of size[0] x size[1] x size[2] voxels. `solid` returns whether a cell is solid. */

@@ -44,8 +44,8 @@ enum gd_status sample_ball(const struct remeshing *remeshing, uint64_t seed,
     return status == GD_OK ? remesh_fitted(&mesh, remeshing, seed, out) : status;
 }
 
-/* Makes a tube around a circle, as wide as a pot's body on one side and as thin as its handle on
- * the other. */
+/* Makes a closed tube around a circle. On one side the tube is as wide as the body of a pot, on the
+ * other side as thin as its handle. */
 enum gd_status sample_pot(const struct remeshing *remeshing, uint64_t seed, struct gd_polygons *out)
 {
     struct sample_builder builder = {0};

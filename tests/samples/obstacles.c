@@ -41,8 +41,8 @@ static bool is_apart(const struct disc *discs, uint32_t count, struct disc disc)
     return true;
 }
 
-/* Places random disjoint discs, which get smaller when there is no room left. The first two contain
- * p and q. */
+/* Places random disjoint discs. After every 64 attempts, further discs are smaller, so that room is
+ * found for all. The first two discs contain p and q. */
 static void throw_discs(struct disc *discs, uint32_t count, struct rng *rng)
 {
     double largest = 0.55 * sqrt((double)width * (double)height / count);

@@ -16,7 +16,7 @@ struct surface {
     uint32_t vertex_count, face_slots; /* sizes of the arrays, including removed elements */
     uint32_t faces;                    /* number of remaining faces */
     uint32_t *corners;                 /* three for each face; GD_NONE for a removed face */
-    uint32_t *twin;                    /* per slot */
+    uint32_t *twin;                    /* for each slot, the other half-edge of its edge */
     /* for each vertex, a slot that starts there; GD_NONE for a removed vertex */
     uint32_t *outgoing;
 };

@@ -97,8 +97,9 @@ static uint32_t *triangle_around(struct triangulation *t, uint32_t p)
     return NULL;
 }
 
-/* A point on an edge leaves a degenerate triangle, whose circumcircle is a half-plane that contains
- * the point beyond. legalise therefore flips it away. */
+/* If the point lies on an edge, one of the three new triangles is degenerate. Its circumcircle is a
+ * half-plane, which contains the apex on the other side of the edge. So legalise flips the edge,
+ * which removes the triangle. */
 uint32_t triangulation_insert(struct triangulation *t, int64_t x, int64_t y)
 {
     uint32_t p = t->point_count++;
@@ -143,9 +144,9 @@ static uint32_t edges_across(const struct triangulation *t, uint32_t a, uint32_t
     return count;
 }
 
-/* Flips the crossing edges in turn. An edge that can't be flipped yet, or still crosses, is tried
- * again later (S. W. Sloan, "A fast algorithm for generating constrained Delaunay triangulations",
- * 1993). */
+/* Flips the crossing edges in turn. If an edge can't be flipped yet, or still crosses a-b after the
+ * flip, it is tried again later (S. W. Sloan, "A fast algorithm for generating constrained Delaunay
+ * triangulations", 1993). */
 bool triangulation_constrain(struct triangulation *t, uint32_t a, uint32_t b)
 {
     uint32_t(*ring)[2] = malloc(3 * (size_t)t->triangle_count * sizeof *ring);

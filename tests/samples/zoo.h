@@ -50,7 +50,7 @@ zoo_maker zoo_wheel;
 zoo_maker zoo_accordion;
 
 /* width, height, points per side: two coincident rectangles, joined along their border. In the
- * chart one has z > 0, the other z < 0. */
+ * chart, one rectangle has z > 0, the other z < 0. */
 zoo_maker zoo_pillow;
 
 /* --- curved ----------------------------------------------------------------------------------- */

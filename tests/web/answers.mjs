@@ -35,7 +35,7 @@ const problem = (status, code, detail) => ({
   body: JSON.stringify({ status, code, detail }),
 });
 
-/** Answers queries of paths by a problem until the returned function is called. */
+/** Answers queries of paths with this problem until the returned function is called. */
 async function refuse(page, answer) {
   const handler = (route) => (answer ? route.fulfill(answer) : route.abort());
   await page.route(/\/path\?/, handler);

@@ -60,7 +60,7 @@ export class Browser {
     for (const { context } of this.pages.splice(0)) await context.close();
   }
 
-  /** Fails if a page has complained of something that its test does not tolerate. */
+  /** Fails if a page has logged an error that its test does not tolerate. */
   assertQuiet() {
     for (const { complaints, tolerated } of this.pages) {
       const patterns = [DRIVER_HINT, ...tolerated];

@@ -24,7 +24,10 @@ async function complete(browser) {
   await browser.picture(page, "docs-desktop");
 }
 
-/** Surfaces of an earlier test stay: the page's uploads of the same names end with 412. */
+/**
+ * Creates the example data. Surfaces of an earlier test still exist, so the page's uploads of the
+ * same names end with 412.
+ */
 async function prepare(page) {
   page.tolerate(/status of 412/);
   await page.getByRole("button", { name: "Create example data" }).click();
@@ -63,7 +66,10 @@ async function tryOut(browser) {
   assert.deepEqual(refused, []);
 }
 
-/** Runs before the example data is created by the button. */
+/**
+ * Executes operations before the button has created the example data. The page then creates the
+ * data itself.
+ */
 async function firstUse(browser) {
   const page = await open(browser);
   const all = await operations(browser);
@@ -100,7 +106,10 @@ async function phone(browser) {
 
 const DOCUMENTS = ["tutorial", "how-to", "reference", "explanation", "operating", "comparison"];
 
-/** Each document: its drawings load, it is accessible in light and dark, and it fits a phone. */
+/**
+ * The drawings of each document load, and each document is accessible in light and dark mode and
+ * fits a phone.
+ */
 async function documents(browser) {
   for (const name of DOCUMENTS) {
     const page = await browser.page(`/docs/${name}`);

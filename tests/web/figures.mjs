@@ -8,7 +8,10 @@ const MOST_PACKED = 220e3; /* bytes of script and style, as sent */
 
 const seconds = (milliseconds) => `${(milliseconds / 1000).toFixed(2)} s`;
 
-/** Opens the page twice, because the first page of a browser pays for starting its processes. */
+/**
+ * Opens the page twice, because the time of a browser's first page includes the start of its
+ * processes.
+ */
 async function opening(browser) {
   const { large } = browser.settings;
   await settle(await browser.page(`/#meshes=${large}`));
@@ -29,7 +32,7 @@ async function opening(browser) {
   assert.ok(paint < ready);
 }
 
-/** Reads the file from the page's drop to the picture of its first path. */
+/** Measures the time from the drop of a file on the page to the picture of the first path. */
 async function upload(browser) {
   const { large, url } = browser.settings;
   const text = await (await fetch(`${url}/v1/meshes/${large}/content?format=obj`)).text();

@@ -142,7 +142,9 @@ async function seam(browser) {
   await browser.ask("DELETE", "/v1/nurbs/ring");
 }
 
-/** A trimmed surface is drawn and answers, and its mesh does not stay on the daemon. */
+/**
+ * The page draws a trimmed surface and shows an answer, and its mesh does not stay on the daemon.
+ */
 async function trims(browser) {
   const { url } = browser.settings;
   const hole = [[0.48, 0.48], [0.52, 0.48], [0.52, 0.52], [0.48, 0.52], [0.48, 0.48]];
@@ -160,7 +162,10 @@ async function trims(browser) {
   await browser.ask("DELETE", "/v1/nurbs/frame");
 }
 
-/** A chosen class of paths on a torus: the path has the turns, and is no shorter. */
+/**
+ * If the user chooses a class of paths on a torus, the path has the chosen turns, and is longer
+ * than the shortest path.
+ */
 async function turns(browser) {
   const { url } = browser.settings;
   const body = JSON.stringify({ parametric: { torus: { major: 2, minor: 0.7 } } });

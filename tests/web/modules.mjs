@@ -179,14 +179,20 @@ async function creases({ settings }) {
   assert.deepEqual([...sheet.normals], [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1]);
 }
 
-/** Twice the area of a polygon of barycentric coordinates; 1 for the whole face. */
+/**
+ * Returns twice the area of a polygon that is given in barycentric coordinates. The whole face has
+ * the value 1.
+ */
 const areaOf = (corners) =>
   corners.reduce((sum, [x, y], i) => {
     const [u, v] = corners[(i + 1) % corners.length];
     return sum + x * v - y * u;
   }, 0);
 
-/** The distance of a point from the border of a convex polygon, negative outside. */
+/**
+ * Returns the distance of a point from the border of a convex polygon. The distance is negative
+ * outside.
+ */
 const depthOf = ([x, y], corners) =>
   Math.min(
     ...corners.map(([a, b], i) => {
@@ -247,7 +253,7 @@ async function simplification({ settings }) {
   assert.ok(simplified(long, own, 0).length > 10000);
 }
 
-/** Lines in each format, read back. */
+/** Reads back the lines of a file in each format. */
 async function lineFiles({ settings }) {
   const { objOf, csvOf, glbOf } = await load(settings, "files");
   const lines = [

@@ -54,7 +54,10 @@ async function blocksOf(page) {
 
 const difference = (a, b) => a.reduce((sum, x, i) => sum + Math.abs(x - b[i]), 0) / a.length;
 
-/** During a drag only pixels are recoloured: the picture equals a new drawing. */
+/**
+ * During a drag, the page recolours pixels without drawing triangles. The picture must equal a new
+ * drawing.
+ */
 async function recoloured(browser) {
   const { large } = browser.settings;
   const target = `/#meshes=${large}&mode=field&shadow=false&isolines=0`;
@@ -79,8 +82,10 @@ async function recoloured(browser) {
   assert.ok(off < moved / 4, `the drag's picture is off by ${off}, the one before by ${moved}`);
 }
 
-/** A path on the far side of a dense surface shines through faintly, whatever its number of
- * segments. */
+/**
+ * A path on the far side of a dense surface shines through faintly, whatever its number of
+ * segments.
+ */
 async function hiddenLines(browser, torus) {
   await putSample(browser, "dense", ...torus);
   const points = "from=p:0.9,-0.5,-0.4&to=p:0.9,0.5,-0.4";

@@ -14,7 +14,7 @@ const LEAST_RATE = 25; /* answers a second while a point is dragged */
 const LEAST_DENSE_RATE = 15; /* on 1.1 million faces */
 const DRAG = 3000; /* milliseconds */
 const BESIDE_OTHERS = 4; /* the rates are divided by this, unless the long form measures them */
-const LEAST_ANSWERS = 5; /* a drag on a busy machine goes on until it has this number of answers */
+const LEAST_ANSWERS = 5; /* a drag lasts at least until it has this number of answers */
 const DENSE_LEAD = 12000; /* milliseconds of a drag in which landmarks and a field are built */
 const MOUSE = 8; /* milliseconds between two positions of the mouse */
 const RADIUS = 15; /* pixels: a circle that stays on the surface */
@@ -118,7 +118,7 @@ async function circle(page, { x, y }, milliseconds, isDone = () => true) {
  * Drags the point of this name in circles for a while, and checks the number of answers a second.
  * If other programs use the machine, the processor time decides instead: the machine's processors
  * must suffice for that rate. `make test` runs beside other tests, and only expects a fraction. The
- * drag begins `lead` milliseconds before; `check` runs before it ends.
+ * drag begins `lead` milliseconds before the measurement. `check` runs before the drag ends.
  */
 export async function assertRate(browser, page, { name, pattern, least, lead = 0, check = () => {} }) {
   const handle = await page.getByRole("button", { name, exact: true }).boundingBox();
