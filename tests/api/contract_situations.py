@@ -29,7 +29,8 @@ from common import Shimmed, build_shim  # noqa: E402
 
 FEW_SECONDS = 60
 LATE = (504, "deadline_exceeded")
-# limit on repetitions of a hundred simultaneous requests, until one of them misses its deadline
+# largest number of repetitions of a hundred simultaneous requests; they end when a request misses
+# its deadline
 ROUNDS = 50
 
 
@@ -58,8 +59,8 @@ class Situations:
             self.seen[operation.name].add((answer.status, answer.json["code"]))
 
     def try_all(self, daemon, scene, change, operations=None):
-        """Sends the documented request of each operation after a change. A change returns one Ask,
-        several, or None if it does not concern the operation."""
+        """Changes the documented request of each operation and sends it. `change` returns one Ask,
+        several Asks, or None if it does not concern the operation."""
         for operation in operations or self.contract.operations:
             changed = change(scene, operation, scene.ask(operation))
             for ask in [changed] if isinstance(changed, Ask) else changed or ():
@@ -236,8 +237,8 @@ def try_conflicts(found, daemon, scene):
 
 
 def try_degenerate(found, daemon, scene):
-    """Tries surfaces that can be evaluated but have parts without area: five squares and a line;
-    two strips and a line."""
+    """Tries surfaces that can be evaluated but have parts without area. The subdivision surface
+    consists of five squares and a line, the NURBS surface of a square and a line."""
     squares = [[[3 * i + x, y, 0] for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))] for i in range(5)] + [[[x, 9, 0] for x in range(4)]]
     control = {"points": sum(squares, []), "faceVertexCounts": [4] * 6, "faceVertexIndices": list(range(24))}
     strips = {"degreeU": 1, "degreeV": 1, "knotsU": [0, 0, 1, 2, 2], "knotsV": [0, 0, 1, 1],
@@ -314,7 +315,7 @@ def try_overload(found, folder):
 
 
 def await_calm(daemon, threads):
-    """Waits until for a second no request arrives and no thread receives an answer."""
+    """Waits until a second passes in which no request arrives and no thread receives an answer."""
     seen = []
     while len(seen) < 5 or len(set(seen[-5:])) > 1:
         seen.append((daemon.metric("requests_deferred"), sum(thread.is_alive() for thread in threads)))
@@ -400,8 +401,8 @@ def try_refusing_store(found, folder):
 
 
 def try_late_changes(found, place):
-    """Sends so many changes at once that the store's writer cannot begin the last one within a
-    millisecond."""
+    """Sends many changes at once. They are so many that the store's writer cannot begin the last
+    one within a millisecond."""
     operations = [each for method in ("patch", "delete") for each in found.contract.operations
                   if each.method == method and (each.path, "put") in found.contract.by_place]
     surfaces = {operation.path for operation in operations}
@@ -424,8 +425,8 @@ def try_late_changes(found, place):
 
 
 def try_late_lists(found, daemon):
-    """Sends so many list requests at once that the lister's thread cannot begin the last one within
-    a millisecond."""
+    """Sends many list requests at once. They are so many that the lister's thread cannot begin the
+    last one within a millisecond."""
     for _ in range(100):
         daemon.request("POST", "/v1/meshes/n0/farthest-points", b'{"count": 2}', {**JSON, "Prefer": "respond-async"})
     for name in ("list_meshes", "list_nurbs", "list_subdivisions", "list_jobs"):

@@ -198,8 +198,8 @@ class Daemon:
         return wait_until(lambda: (value := self.metric(name)) >= least and value)
 
     def wait_for_flight(self, most=0):
-        """Waits until requests hold at most that many bytes. A request returns its memory after its
-        last byte was sent, so its client may have the answer earlier."""
+        """Waits until requests hold at most that many bytes. A request returns its memory after the
+        last byte of the answer was sent, so a client may have the answer before."""
         wait_until(lambda: self.metric('memory_bytes{class="flight"}') <= most)
 
     def ended(self, accepted):
@@ -220,8 +220,8 @@ class Daemon:
         return [line for line in self.log if line["event"] in ("reloaded", "reload_failed")]
 
     def stop(self):
-        """Ends the daemon as an operator would; returns its exit status. Fails if it has printed
-        anything but its log, for example a sanitizer's report."""
+        """Ends the daemon by SIGTERM, as an operator does. Returns its exit status. Fails if the
+        daemon has printed anything except its log, for example a sanitizer's report."""
         if self.process.poll() is None:
             self.terminate()
         try:

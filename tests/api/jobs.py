@@ -34,7 +34,7 @@ class Jobs(TestCase):
         return location
 
     def start_field(self, source, name="big", daemon=None):
-        """Starts the slowest job, which is the query for which the field of a source is built."""
+        """Starts the slowest job: the query for which the daemon builds the field of a source."""
         (daemon or self.daemon).ask_often(name, f"v:{source}")
         return self.start(f"/v1/meshes/{name}/distance", pair(source, 160000 - source), daemon=daemon)
 

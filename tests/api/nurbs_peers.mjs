@@ -4,9 +4,9 @@
 //     node nurbs_peers.mjs NODE_MODULES < question > answer
 //
 // Question: {"surfaces": [surface in the canonical form, with weights, and "uv": [[u, v], ...]]}.
-// Answer, the last line: a list of {name: {"file", "values"}}, where `file` is the surface read
-// back from that program, and `values` are rows of position and, for verb, derivatives by u, v, uu,
-// uv, vv.
+// The last line is the answer: a list of {name: {"file", "values"}} with the name of the program.
+// `file` is the surface as the program returns it. `values` has rows of position and, for verb,
+// derivatives by u, v, uu, uv, vv.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";

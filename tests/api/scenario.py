@@ -36,7 +36,7 @@ class Busy(http.server.BaseHTTPRequestHandler):
         status, header, body = self.server.answers.pop(0) if self.server.answers else (200, {}, {"version": "1"})
         self.server.seen.append(time.monotonic())
         self.server.codings.append(self.headers.get("Accept-Encoding"))
-        if status == 0:  # hangs up
+        if status == 0:  # the status 0 closes the connection without an answer
             self.close_connection = True
             return
         text = body if isinstance(body, bytes) else json.dumps(body).encode()

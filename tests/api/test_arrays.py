@@ -69,7 +69,7 @@ class Forms(TestCase):
     def test_matrix(self):
         body = {"sources": [{"vertex": 0}, {"vertex": 1}], "targets": [{"vertex": 1}, {"vertex": 2}, {"vertex": 3}]}
         for mesh in ("ball", "apart"):
-            # distances from a field and from a search can differ by rounding
+            # a distance from a field and a distance from a search can differ by rounding
             for source in body["sources"]:
                 self.daemon.ask(mesh, "fields", {"set": {"points": [source]}})
             answer, found = self.forms("POST", mesh + "/matrix", body)

@@ -230,7 +230,7 @@ class InAFolder(Alone, unittest.TestCase):
         begun = begin(self.daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(200))})
         self.assertEqual(self.daemon.stop(), 0)
         self.daemon = self.start()
-        # the stopped daemon returned its running items, so no other daemon waits for their leases
-        # to expire
+        # the stopped daemon has given its running items back, so the next daemon need not wait
+        # until their leases expire
         told = wait(self.daemon, begun.json["id"], 10)
         self.assertEqual((told["done"], told["failed"]), (200, 0))

@@ -53,7 +53,8 @@ class Bulk(TestCase):
             self.assert_near(answer.json["distances"], [self.alone("ball", {"vertex": 5}, point) for point in b])
 
     def test_large_texts(self):
-        """A large plain request is read without a document. Answers and faults are the same."""
+        """A large request in plain form is read without a parsed JSON document. Answers and errors
+        are the same as with a document."""
         chance = random.Random(7)
         self.daemon.ask("ball", "fields", {"set": {"points": [{"vertex": 5}]}})
         points = [chance.choice([{"vertex": chance.randrange(2000)}, {"face": chance.randrange(5000), "barycentric": [0.5, 0.25, 0.25]},
@@ -89,7 +90,8 @@ class Bulk(TestCase):
             self.assertEqual((refused.status, refused.json["pointer"]), (400, pointer), (body, refused))
 
     def test_groups(self):
-        """Tests few and many pairs of a point, with and without its field, from either end."""
+        """Tests few and many pairs with one common point, with and without the field of this point.
+        The common point is the first or the second point of the pairs."""
         chance = random.Random(2)
         self.daemon.ask("ball", "fields", {"set": {"points": [{"vertex": 3}]}})
         rows = [3] * 40 + [4] * 20 + [5] * 3 + [6]

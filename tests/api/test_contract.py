@@ -16,8 +16,8 @@ from harness import TestCase
 # Members that differ between runs or machines.
 VOLATILE = {"created", "build_ms", "bytes", "memory_bytes", "fields_cached", "id", "etag"}
 CLOSE = 1e-12
-# Operations whose answers differ from their examples in figures of the daemon, in a name, or in a
-# state.
+# Operations whose answers differ from their examples, because they contain figures of the daemon, a
+# name that the daemon has made, or a state.
 NOT_REPEATED = {"get_service", "create_mesh", "create_nurbs", "create_subdivision", "list_jobs", "get_job", "get_readyz"}
 
 
@@ -167,8 +167,8 @@ class Examples(TestCase):
 
 
 class Checker(unittest.TestCase):
-    """Tests that the checker detects faults. An answer agrees with the contract, and then violates
-    a slightly changed copy of the contract."""
+    """Tests that the checker detects faults. An answer that agrees with the contract must violate a
+    slightly changed copy of the contract."""
 
     POINT = b'{"face":0,"barycentric":[1,0,0],"xyz":[0,0,0],"vertex":0}'
     ANSWER = b'{"distance":1,"from":' + POINT + b',"to":' + POINT + b"}"

@@ -26,8 +26,8 @@ class Lint(unittest.TestCase):
         self.assertEqual(self.lint(contract.DOCUMENT), "")
 
     def test_a_fault_is_found(self):
-        """The fault is an unquoted description in a flow mapping; YAML ends the description at its
-        comma."""
+        """The fault is an unquoted description with a comma in a flow mapping. YAML ends the
+        description at the comma."""
         text = contract.DOCUMENT.read_text(encoding="utf-8")
         with tempfile.TemporaryDirectory() as place:
             wrong = pathlib.Path(place) / "openapi.yaml"

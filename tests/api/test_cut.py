@@ -83,8 +83,8 @@ class Cut(TestCase):
         self.assertEqual(faces, set(range(200)))
 
     def test_pieces_answer_queries(self):
-        """No distance on the piece is shorter than the distance on the whole mesh. Distances
-        between opposite sides of the hole are longer."""
+        """No distance on a piece is shorter than the distance on the whole mesh. In the piece with
+        the hole, distances between opposite sides of the hole are longer."""
         [frame] = self.cut("grid", square(0.15, 0.65), inside={"vertex": 0}, names=["holed"])["pieces"]
         ask = lambda name, a, b: self.daemon.get(f"/v1/meshes/{name}/distance?from={a}&to={b}").json["distance"]
         across = ask("holed", "p:0.1,0.4,0", "p:0.7,0.4,0")
@@ -185,7 +185,8 @@ class Cut(TestCase):
         self.assertEqual(self.daemon.get("/v1/meshes/same").status, 404)
 
     def test_more_pieces_than_names(self):
-        """A cut into 65 pieces exceeds the limit, but the selection of one piece does not."""
+        """A cut into 65 pieces exceeds the limit. The same cut is accepted if the request selects
+        one piece."""
         triangles = [f"v {3 * i} 0 0\nv {3 * i + 1} 0 0\nv {3 * i} 1 0\nf -3 -2 -1\n" for i in range(64)]
         self.daemon.put("many", "".join(triangles).encode())
         corner = {"points": [{"edge": [0, 1], "t": 0.5}, {"edge": [0, 2], "t": 0.5}]}

@@ -10,7 +10,7 @@ import struct
 from harness import SQUARE, TestCase, sample
 
 SIZE = (1, 2, 3)  # of the box
-# corner and the two sides of each face of the box
+# for each side of the box: a corner, and the axes of its two edges at this corner
 SIDES = [((0, 0, 0), 0, 1), ((0, 0, SIZE[2]), 0, 1), ((0, 0, 0), 1, 2), ((SIZE[0], 0, 0), 1, 2), ((0, 0, 0), 0, 2), ((0, SIZE[1], 0), 0, 2)]
 
 
@@ -37,15 +37,16 @@ def on_side(k, point):
 
 
 def edge_between(k, other):
-    """Returns both ends of the edge that two sides of the box share; None: they share none."""
+    """Returns both ends of the edge that two sides of the box share, or None if they share no
+    edge."""
     corners = [tuple(SIZE[i] * (n >> i & 1) for i in range(3)) for n in range(8)]
     shared = [corner for corner in corners if on_side(k, corner) and on_side(other, corner)]
     return shared if len(shared) == 2 else None
 
 
 class Box:
-    """Straight paths on a box from one point. Each sequence of sides is unfolded into the plane of
-    its last side."""
+    """The straight paths from one point on a box. Each sequence of sides is unfolded into the plane
+    of its last side."""
 
     def __init__(self, start):
         # for each side: (image of the start, edges that the path crosses)
@@ -173,7 +174,8 @@ class CutLocus(TestCase):
         together = self.lines("grid", self.RECTANGLE)
         self.assertEqual(len(together), 5)
         self.assertEqual({tuple(line["members"]) for line in together}, {(0, 0)})
-        # the lines from the corners have the angle pi / 2, the middle line the angle pi
+        # paths meet at the angle pi / 2 on the lines from the corners, and at the angle pi on the
+        # middle line
         [middle] = self.lines("grid", self.RECTANGLE, min_angle=2)
         self.assertAlmostEqual(middle["length"], 0.3, 8)
 

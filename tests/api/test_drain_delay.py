@@ -23,7 +23,7 @@ class DrainDelay(unittest.TestCase):
         self.assertEqual(daemon.get("/readyz").json["status"], "draining")
         self.assertEqual(daemon.get("/livez").status, 200)
         self.assertLess(time.monotonic() - begun, DELAY_MS / 1000)
-        self.assertEqual(daemon.stop(), 0)  # stop() signals again, which changes nothing
+        self.assertEqual(daemon.stop(), 0)  # stop() sends the signal again, which has no effect
         self.assertGreaterEqual(time.monotonic() - begun, DELAY_MS / 1000)
         self.assertRaises(ConnectionRefusedError, daemon.get, "/livez")
 

@@ -61,8 +61,9 @@ class Asking(TestCase):
         return result["distance"]
 
     def all_lanes(self, mesh, start, end):
-        """Queries a pair by all operations. The first queries use searches. Later queries use
-        fields: a field is built at the sixteenth query of a source, or by `field`."""
+        """Queries a pair by all operations. The first queries use searches. Later queries use a
+        field, which the daemon builds at the sixteenth query of a source, or for the operation
+        `field`."""
         yield from (self.pair(mesh, start, end)[0] for _ in range(SEARCHES + 4))
         yield self.matrix(mesh, start, end)
         yield self.matrix(mesh, end, start)

@@ -186,7 +186,7 @@ class Values(Fields):
             field = self.make(mesh, {"set": {"points": [source]}})["id"]
             points = [random_point(chance, self.faces[mesh]) for _ in range(30)] + [{"vertex": 5}, source]
             for point, result in zip(points, self.evaluate(mesh, field, points, path=True)):
-                # the opposite direction has no field, so the daemon uses a search
+                # no field has `point` as its source, so the daemon searches in this direction
                 other = self.daemon.ask(mesh, "distance", {"from": point, "to": source | {"barycentric": source["barycentric"][:]}})
                 self.assertLess(abs(result["distance"] - other.json["distance"]), 1e-12 * (1 + result["distance"]))
                 self.assertAlmostEqual(result["path"]["length"], result["distance"], 12)
@@ -330,7 +330,7 @@ class Memory(Fields):
         builds = self.daemon.metric("cache_builds_total")
         for number, field in enumerate(fields):
             self.assertEqual(self.get("sphere", field["id"]).json, field)
-        # a request that creates a field needs only its description and stores no wedges
+        # the descriptions of evicted fields are available without a new build
         self.assertEqual(self.daemon.metric("cache_builds_total"), builds)
         for number, field in enumerate(fields):
             result = self.daemon.ask("sphere", f"fields/{field['id']}/evaluate", {"points": [{"vertex": number}]}).json["results"][0]

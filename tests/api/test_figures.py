@@ -84,8 +84,8 @@ class Figure:
             self.groups.setdefault(group.get("id"), []).append(group)
 
     def lines(self, layer, dashed=False):
-        """Returns the visible polylines of a layer, or its hidden ones if `dashed`. Of several
-        paths in a group, uses the last one."""
+        """Returns the visible polylines of a layer, or its hidden polylines if `dashed`. If a group
+        has several paths, uses the last path."""
         found = []
         for group in self.groups.get(f"layer-{layer}", ()):
             paths = [path for path in group.iter(SVG + "path") if bool(path.get("stroke-dasharray")) == dashed]
@@ -231,7 +231,7 @@ class FigureTests(FigureCase):
         project, towards = self.projection("sphere", direction), unit(direction)
         seen, hidden = figure.lines(0), figure.lines(0, dashed=True)
         self.assert_drawn(points, seen + hidden, project)
-        for line in seen:  # a point of the unit sphere is visible if it lies towards the eye
+        for line in seen:  # points of the unit sphere are visible on the camera's side
             for place in line:
                 self.assertTrue(any(math.dist(place, project(p)) < 40 and dot(p, towards) > -0.2 for p in points))
         ends = figure.discs(0)
@@ -274,7 +274,7 @@ class FigureTests(FigureCase):
         self.assertEqual(len(drawn), len(expected))
         for a, b in zip(drawn, expected):
             self.assertLess(math.dist(a, b), 0.02)
-        for segment in answer["segments"]:  # control vectors are straight lines of the plane
+        for segment in answer["segments"]:  # in the plane, control vectors are straight lines
             a, b = segment["control_points"][0]["xyz"], segment["control_points"][1]["xyz"]
             self.assert_drawn([[(p + q) / 2 for p, q in zip(a, b)]], controls.lines(0), project)
         framed = self.figure([{"spline": body, "frames": 4}])
@@ -408,7 +408,8 @@ class FigureTests(FigureCase):
         found = [sum(abs(math.dist(end, (1, 1.5, 0)) - level) < 1e-5 for end in ends) for level in levels]
         self.assertEqual(sum(found), len(ends))
         self.assertTrue(all(found))
-        # circles within 1e-4 of the diagonal, of which the larger one leaves the plate
+        # the lines are circles up to 1e-4 of the diagonal, and the larger circle extends beyond the
+        # plate
         self.assertAlmostEqual(length_of(scene.segments("isolines")), 2 * math.pi * 0.5 + 2 * (math.pi - math.acos(1 / 1.25)) * 1.25, 2)
         for part, expected in zip(scene.paint("isolines"), linear("#ff8800")):
             self.assertAlmostEqual(part, expected, 6)
@@ -444,7 +445,8 @@ class FigureTests(FigureCase):
     WINDOW = {"curve": {"points": [{"xyz": [x, y, 0]} for x, y in ((1, 1), (3, 1), (3, 3), (1, 3))], "closed": True}}
 
     def test_the_pieces_of_a_cut_are_apart(self):
-        """The window of a plate moves along the normal of the plate; the frame stays."""
+        """The cut divides the plate into a window and a frame. The window moves along the normal of
+        the plate, and the frame stays."""
         for apart, lift in (({}, 0.15), ({"apart": 0.5}, 0.5), ({"apart": 0}, 0)):
             scene = self.scene_of([{"cut": self.WINDOW, **apart}])
             height = lift * math.dist((0, 0), (SIDE, SIDE))
@@ -805,7 +807,7 @@ class NurbsFigures(SmoothCase):
         for name, expected in (("layer-0", places), ("layer-1", [[1.25, 2 * k / 8] for k in range(9)]), ("layer-2", parabola)):
             for position in self.positions(expected):
                 self.assertLess(min(distance_to_segment(position, segment) for segment in scene.segments(name)), 5e-5, name)
-        for corner in self.positions(corners):  # corners are drawn themselves
+        for corner in self.positions(corners):  # the drawing has exactly these corners
             self.assertLess(min(math.dist(corner, begin) for begin, _ in scene.segments("layer-0")), 1e-6)
         self.assertEqual(scene.segments("layer-0")[0][0], scene.segments("layer-0")[-1][1])
         self.refused([{"surface": {}}, {"curve": {"polyline": [[0, 0], [9, 9]]}}], "/layers/1/curve/polyline/1", "s", status=422, code="point_not_on_surface")

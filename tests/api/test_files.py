@@ -281,8 +281,8 @@ class Splines(Files):
         self.assert_problem(self.daemon.ask("torus", "spline?format=svg", self.BODY), 400, "invalid_request")
 
     def test_the_object_has_the_frames(self):
-        """Tests files without and with the mesh. The daemon still reads the mesh of the second
-        file."""
+        """Tests files without and with the mesh. The daemon reads the mesh of the second file,
+        although the file also has an object."""
         body = {**self.BODY, "frames": True}
         frames = self.asked("torus", "spline", body)["frames"]
         for more in ("", "&mesh=true"):

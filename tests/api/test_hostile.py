@@ -32,8 +32,8 @@ def lines(first, *headers):
 
 
 def both(head, *codings):
-    """Returns requests whose Content-Length ends the body before a hidden request while the
-    transfer coding includes it, and vice versa."""
+    """Returns requests that have both a Content-Length and a transfer coding, with each order of
+    the two headers."""
     for coding in codings:
         yield head + b"Content-Length: 5\r\n" + coding + b"\r\n\r\n0\r\n\r\n"
         yield head + coding + b"\r\nContent-Length: 5\r\n\r\n0\r\n\r\n"
@@ -147,8 +147,8 @@ LENIENT = {
         *(SPLIT + WHOLE + trailer for trailer in (b"Content-Length: 5\r\n\r\n", b"Transfer-Encoding: chunked\r\n\r\n", b"Host: other\r\n\r\n",
                                                   b"X : y\r\n\r\n", b"X: y\r\n z\r\n\r\n", b"X: y\n\n", b": y\r\n\r\n")),
     ],
-    # a folded Content-Length or Transfer-Encoding is ignored; the daemon reads the intended body as
-    # a request, and refuses it
+    # the library ignores a folded Content-Length or Transfer-Encoding, so the daemon reads the
+    # intended body as a second request, and refuses it
     (b"411", b"405"): [PUT + length + b"\r\n\r\nhello" for length in (b"Content-Length:\r\n 5", b"Content-Length: 5\r\n 5")],
     (b"200", b"405"): [GET + length + b"\r\n\r\nhello" for length in (b"Content-Length:\r\n 5", b"Content-Length: 5\r\n 5")],
     (b"411",): [PUT + b"Transfer-Encoding:" + end + b" chunked\r\n\r\n" + chunks(b"hello") for end in (b"\r\n", b"\n")],
@@ -425,7 +425,7 @@ class Sizes(TestCase):
 
 
 class Bombs(TestCase):
-    """With a large size limit the compression ratio limits a body."""
+    """Tests a daemon with a large size limit. The compression ratio then limits a body."""
 
     flags = ("--memory-budget", "256MiB", "--max-body", "200MiB")
 

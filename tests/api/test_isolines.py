@@ -308,8 +308,8 @@ class Memory(Isolines):
         self.daemon.wait_for_flight(flight)
 
     def test_each_level_is_sent_before_the_next_is_written(self):
-        """An answer of many levels may be larger than the memory for answers, because each level is
-        sent before the next one is written."""
+        """An answer of many levels may be larger than the memory for answers, because the daemon
+        sends each level before it writes the next one."""
         self.daemon.put("many", sample("icosphere", level=4))
         field = self.make("many", vertices(0))["id"]
         flight = self.daemon.metric('memory_bytes{class="flight"}')

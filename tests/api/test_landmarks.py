@@ -48,8 +48,8 @@ class Answers(unittest.TestCase):
 
 
     def test_curves_are_the_same_to_the_last_bit(self):
-        """Near the farthest point of a curve the distance is nearly constant, so the smallest
-        difference in rounding would move that point."""
+        """Near the farthest point of a curve, the distance is nearly constant along the curve. The
+        smallest difference in rounding would therefore move that point."""
         body = {"a": {"points": ["v:0", "v:9", "v:30"], "closed": True}, "b": {"points": ["v:100", "v:90"]}, "measure": "hausdorff"}
         with Daemon("--landmarks", "16") as daemon:
             daemon.put("ball", self.FILES["ball"])
@@ -98,7 +98,7 @@ class Life(TestCase):
         self.assertGreater(self.daemon.metric("cache_evictions_total"), 0)
 
     def test_evicted_landmarks_are_rebuilt(self):
-        # a mesh whose pause between builds is short
+        # the pause between two builds for this mesh is short
         faces = self.daemon.put("flat", sample("grid", columns=40, rows=40)).json["faces"]
         self.daemon.get("/v1/meshes/flat/distance?from=v:0&to=v:9")
         self.daemon.wait_for("landmarks_built_total")
@@ -109,7 +109,7 @@ class Life(TestCase):
         self.wait_idle()
         self.assertIn('memory_bytes{class="landmarks"} 0\n', self.daemon.get("/metrics").body.decode())
         built, until = self.daemon.metric("landmarks_built_total"), time.monotonic() + PATIENCE_SECONDS
-        for pair in random_pairs(faces, 10000, 1):  # not rebuilt at once, because of the pause
+        for pair in random_pairs(faces, 10000, 1):  # the pause delays the next build
             self.assertEqual(self.daemon.get(f"/v1/meshes/flat/distance?{pair}").status, 200)
             if self.daemon.metric("landmarks_built_total") > built:
                 break

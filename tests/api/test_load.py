@@ -46,7 +46,8 @@ class Lanes(TestCase):
 
     @contextlib.contextmanager
     def building(self, source):
-        """Builds a field that a client has requested and waits for."""
+        """Sends a request that builds a field, and runs the test's block while the field is
+        built."""
         builds = self.daemon.metric("cache_builds_total")
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
             slow = pool.submit(self.ask_for_a_field, source)
@@ -105,8 +106,9 @@ class Lanes(TestCase):
             slow.result()
 
     def test_another_request_builds_if_the_builder_is_late(self):
-        """The builder waits for the worker, and more requests than the queue holds wait for the
-        builder. The builder's deadline does not end these requests."""
+        """One request is to build a field, and waits for the worker. More requests than the queue
+        holds wait for this build. When the deadline of the first request passes, another request
+        builds the field."""
         self.daemon.ask_often("square", "v:1")
         url = "/v1/meshes/square/distance?from=v:1&to=v:3"
         builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
@@ -157,7 +159,7 @@ class Waiting(TestCase):
         self.daemon.ask_often("slow", "v:5")
         url = "/v1/meshes/slow/distance?from=v:5&to=p:9,9,0"
         builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
-        # less than ten times the cost of such a field
+        # 1500 ms is less than ten times the cost of such a field
         hasty = self.daemon.get(url + "&timeout_ms=1500")
         # the answer is 504 if the daemon is slow, as under sanitizers
         self.assertIn(hasty.status, (200, 504), hasty)

@@ -281,7 +281,7 @@ class Content(TestCase):
         self.assertNotEqual(gzip.decompress(self.daemon.get(path, Accept_Encoding="gzip").body), plain.body)
 
     def test_a_browser_on_this_host_gets_uncompressed_answers(self):
-        """Browsers always offer gzip, so the daemon must decide from their address."""
+        """Browsers always offer gzip, so the daemon must decide by the browser's address."""
         packed = {"Accept_Encoding": "gzip, deflate, br", "Sec_Fetch_Site": "same-origin"}
         for path, is_page in (("/v1/meshes/torus/content", False), ("/", True), ("/openapi.json", True)):
             near = self.daemon.get(path, **packed)

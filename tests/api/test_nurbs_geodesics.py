@@ -24,7 +24,8 @@ class Geodesics(Nurbs):
     def test_closed_forms(self):
         at = lambda u, v: [u, v]
         straight = lambda u, v, r: math.hypot(r * u, v)
-        # the cone's slant from the apex to v = 0; the slant to v is (1 + v) apex
+        # `apex` is the slant height from the cone's apex to v = 0; the slant height to v is (1 + v)
+        # apex
         apex = math.hypot(1, 3)
         slant = lambda v: (1 + v) * apex
         turned = lambda u, v, w: math.sqrt(slant(v) ** 2 + slant(w) ** 2 - 2 * slant(v) * slant(w) * math.cos(u / apex))

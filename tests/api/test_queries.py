@@ -11,7 +11,7 @@ class ClosedForms(TestCase):
     """Searches each pair on a fresh mesh; the classes below use fields instead."""
 
     counter = "searches_total"
-    source = None  # names the end of the pair that has a field
+    source = None  # the end of the pair whose field exists: "from" or "to"
 
     @classmethod
     def setUpClass(cls):
@@ -78,7 +78,8 @@ class FromTheFieldOfTheStart(ClosedForms):
 
 
 class FromTheFieldOfTheEnd(ClosedForms):
-    """The metric is symmetric; the path must be reversed."""
+    """Queries use the field of the second point. Distances are the same, and the path must be
+    reversed."""
 
     counter, source = "cache_hits_total", "to"
 

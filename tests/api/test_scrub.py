@@ -93,7 +93,7 @@ class Scrub(Stored):
         self.assertGreater(largest, 10 << 10)
         with self.start("--scrub-s", "1", "--scrub-rate", "1KiB") as daemon:
             daemon.wait_for("scrub_bytes_total", largest)
-            time.sleep(2)  # after its reads the scrub pauses for ten seconds
+            time.sleep(2)  # the scrub pauses for ten seconds after it has read
             self.assertEqual(daemon.metric("scrub_rounds_total"), 0)
             self.assertLess(daemon.metric("scrub_progress"), 1)
             begun = time.monotonic()

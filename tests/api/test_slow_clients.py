@@ -10,8 +10,8 @@ from test_hostile import CHUNKED, GET, PUT
 
 
 class Slow(TestCase):
-    """Absolute deadlines end the connections of clients that send bytes without progress. All tests
-    run at the same time."""
+    """Tests clients that send single bytes and make no progress. Absolute deadlines end their
+    connections. All tests run at the same time."""
 
     flags = ("--http-threads", "1")
 

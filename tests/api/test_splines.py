@@ -114,8 +114,8 @@ class Splines(TestCase):
 
     def test_a_point_beyond_the_cut_locus(self):
         """Between the poles of a ball there are several shortest paths. The member cut_locus of the
-        segment reports this. If an end is close to the pole but not on it, there is one shortest
-        path."""
+        segment reports this. If one end is close to its pole but not at the pole, there is one
+        shortest path."""
         for end, is_cut in ((place(0, 0, -1), True), (place(0.02, 0.01, -1), False)):
             answer = self.asked("ball", "spline", {"points": [place(1, 0.2, 0.3), place(0, 0, 1), end]})
             self.assertEqual([segment["cut_locus"] for segment in answer["segments"]], [False, is_cut])

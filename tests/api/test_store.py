@@ -278,7 +278,7 @@ class Tools(Stored):
         refused = self.tool("--restore", copy, folder=again)
         self.assertEqual(refused.returncode, 1)
         self.assertIn("holds a data folder already", refused.stdout)
-        (again / "unfinished").touch()  # the state that a killed restore leaves
+        (again / "unfinished").touch()  # a killed restore leaves this file
         next(again.glob("objects/*/*")).write_bytes(b"a part")
         (again / "temporary" / "0").touch()
         (again / "manifests" / "of-another-time.manifest").touch()

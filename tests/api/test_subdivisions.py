@@ -82,8 +82,8 @@ class Resource(Subdivisions):
         tags = b"".join(b"t crease 2/1/0 %d %d 10\n" % edge for edge in edges)
         self.assertEqual(self.put("sharp-obj", CUBE + tags).status, 201)
         chains = {"creaseIndices": [0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 1, 5, 2, 6, 3, 7], "creaseLengths": [5, 5, 2, 2, 2]}
-        # one chain is 0 1 3 2 0, another is 4 5 7 6 4; the chains contain the vertices 0 and 4, but
-        # no chain contains the edge 0 4
+        # two chains are 0 1 3 2 0 and 4 5 7 6 4; they contain the vertices 0 and 4, but no chain
+        # contains the edge from 0 to 4
         chains["creaseIndices"] += [0, 4]
         chains["creaseLengths"] += [2]
         self.assertEqual(self.put("sharp-usd", {**CUBE_USD, **chains, "creaseSharpnesses": [10] * 6}).status, 201)
@@ -99,7 +99,7 @@ class Resource(Subdivisions):
         self.assertEqual(self.put("corner", corner).status, 201)
         self.assertEqual(self.daemon.get("/v1/subdivisions/corner").json["corner_vertices"], 1)
         [point] = self.ask("corner", "evaluate", {"points": [{"face": 0, "uv": [1, 1]}]})["points"]
-        # the value is 1/2 without the tag, and 1 if the corner is infinitely sharp
+        # the coordinate is 1/2 without the tag, and 1 if the corner is infinitely sharp
         self.assertGreater(point["xyz"][0], 0.7)
         self.assertTrue(point["singular"])
         for name in ("sharp-obj", "sharp-usd", "sharp-each", "corner"):
@@ -219,9 +219,9 @@ class Evaluate(Subdivisions):
         self.assertEqual(self.ask("cube", "nearest", {"point": {"xyz": [0, 0, 3], "max_snap": 1}}, 422)["pointer"], "/point")
 
     def test_a_spike(self):
-        """A surface that is smooth except at one interior corner passes through this control point
-        and has no normal there. A trace can end in the corner but not start there; a path can do
-        both."""
+        """Tests a surface that is smooth except at one interior corner. The surface passes through
+        this control point and has no normal there. A trace can end in the corner but not start
+        there. A path can start and end there."""
         self.assertEqual(self.put("spike", CUBE + b"t corner 1/1/0 4 10\n").status, 201)
         tip, ask = {"face": 0, "uv": [0, 0]}, lambda *question: self.ask("spike", *question)
         [point] = ask("evaluate", {"points": [tip]})["points"]
@@ -239,7 +239,7 @@ class Evaluate(Subdivisions):
         self.assertEqual((path["end_reason"], path["end_direction"]["angle"]), ("singular", None))
         self.assert_near(path["points"][-1]["xyz"], [-1, -1, 1], 1e-9)
         [path] = ask("trace", {"start": {"face": 0, "uv": [0.4, 0.4]}, "directions": [[-1, -1, 0]], "length": 3, "level": 5})["paths"]
-        # the mesh's vertex rules define a continuation
+        # on the mesh, a vertex rule defines how the line continues
         self.assertEqual(path["end_reason"], "length")
         [path] = ask("trace", {"start": MIDDLE, "directions": [[-1, -1, 0]], "length": 3, "smooth": True})["paths"]
         for places in ({"from": tip, "to": MIDDLE}, {"from": MIDDLE, "to": tip}):

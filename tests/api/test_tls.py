@@ -152,7 +152,7 @@ class Tls(unittest.TestCase):
         kept.close()
 
     def test_a_bad_reload_changes_nothing(self):
-        # installs the second certificate beside the key of the first certificate
+        # installs the second certificate, but leaves the key of the first certificate
         shutil.copy(self.second[0], self.certificate)
         told = self.daemon.reload()
         self.assertEqual((told["event"], told["level"]), ("reload_failed", "error"))

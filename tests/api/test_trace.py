@@ -35,7 +35,7 @@ class Trace(Tracing):
             self.assert_place(path["end_direction"]["xyz"], vector)
             self.assertIn("face", path["points"][0])
             self.assertIn("edge", path["points"][1])
-            # continues from the end of the path; the members of an answer are valid in a request
+            # continues from the end of the path; a request accepts the members of the answer
             end = {name: path["points"][-1][name] for name in ("face", "barycentric")}
             [more] = self.trace("grid", start=end, directions=[path["end_direction"]], length=0.05)
             self.assert_place(more["points"][-1]["xyz"], [0.31 + 0.35 * vector[0], 0.47 + 0.35 * vector[1], 0])

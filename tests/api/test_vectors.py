@@ -95,9 +95,9 @@ class Vectors(TestCase):
             self.assertEqual(self.asked("square", "log", document, 400)["pointer"], pointer, document)
 
     def test_the_cut_locus(self):
-        """Between the poles of a ball several paths are equally short, and the answers of vectors
-        and means report this. Next to a pole only one path is shortest, and its direction is
-        discontinuous there."""
+        """Between the poles of a ball, several paths are equally short. The answers of vectors and
+        means report this. To a point next to the second pole, only one path is shortest, and its
+        direction changes discontinuously around this pole."""
         pole, antipode = {"xyz": [0, 0, 1]}, {"xyz": [0, 0, -1]}
         beside = [{"xyz": [x, y, -1]} for x, y in ((0.1, 0.03), (-0.1, -0.02))]
         [vector, *others] = self.asked("ball", "log", {"from": pole, "to": [antipode, *beside]})["vectors"]

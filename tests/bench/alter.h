@@ -10,9 +10,9 @@
  * than 2^28 triangles), GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status alter_subdivide(struct gd_polygons *mesh, uint32_t levels);
 
-/* Moves every vertex along its normal (its faces' mean, weighted by area) by a uniformly random
- * distance of up to `amplitude` mean edges in either direction, from a fixed seed. On GD_NO_MEMORY
- * the mesh is unchanged. */
+/* Moves every vertex along its normal, which is the area-weighted mean of its faces' normals. The
+ * distance is random, uniformly distributed up to `amplitude` mean edge lengths in either
+ * direction. The seed is fixed. On GD_NO_MEMORY the mesh is unchanged. */
 GD_MUST_USE enum gd_status alter_roughen(struct gd_polygons *mesh, double amplitude);
 
 #endif

@@ -1,5 +1,5 @@
-/* gd_bench: measurements of the engine, one JSON line each. This header declares what the
- * subcommands share. */
+/* gd_bench: measures the engine, and prints one JSON line for each measurement. This header
+ * declares what the subcommands share. */
 #ifndef TESTS_BENCH_BENCH_H
 #define TESTS_BENCH_BENCH_H
 
@@ -64,8 +64,8 @@ struct bench_options {
 };
 
 /* Removes all options from the front, in any order. Pins the process (--pin PROCESSOR) and selects
- * its kernels (--cpu NAME). A mesh must follow the options. Returns false, after printing a
- * sentence, on misuse. */
+ * the kernels (--cpu NAME), if these options are there. A mesh must follow the options. Returns
+ * false, after printing a sentence, on misuse. */
 bool bench_take_options(char ***arguments, struct bench_options *options);
 
 /* --- input.c: meshes -------------------------------------------------------------------------- */

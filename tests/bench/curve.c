@@ -9,7 +9,8 @@
 
 enum {
     SEGMENTS = 1000,
-    /* largest number of points that are joined; on a small mesh this can give fewer segments */
+    /* largest number of points that are joined; on a small mesh, this number of points can give
+     * fewer than SEGMENTS segments */
     MOST_POINTS = 64
 };
 

@@ -1,11 +1,11 @@
-/* gd_bench nurbs: the shortest path between two closed curves, after the examples of W.-H. Chen,
- * "Improvement of the shortest path problem with geodesic-like method": an open bicubic B-spline
- * surface of 8 x 4 control points, and a face with two holes. The program compares three methods.
- * The first is the engine's: piecewise splines at the default tolerance. The second is that of the
- * paper's table: single splines of given numbers of control points. The third is the paper's
- * Algorithm 1: the shortest of all paths between points sampled on the two curves. The reference is
- * a solution of the geodesic equation, found by shooting, that meets both curves at right
- * angles. */
+/* gd_bench nurbs: measures the shortest path between two closed curves, after the examples of W.-H.
+ * Chen, "Improvement of the shortest path problem with geodesic-like method". The surfaces are an
+ * open bicubic B-spline surface of 8 x 4 control points, and a model of a human face with two
+ * holes. The program compares three methods. The first is the engine's: piecewise splines at the
+ * default tolerance. The second is that of the paper's table: single splines of given numbers of
+ * control points. The third is the paper's Algorithm 1: the shortest of all paths between points
+ * sampled on the two curves. The reference is a solution of the geodesic equation, found by
+ * shooting, that meets both curves at right angles. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -76,8 +76,8 @@ static double solve(const struct scene *scene, const struct gd_domain_curve *fro
     return length;
 }
 
-/* Returns the length of the solution of the geodesic equation. The engine provides only the
- * starting point. */
+/* Returns the length of the solution of the geodesic equation. Only the initial values are from the
+ * engine. */
 static double shoot_scene(const struct scene *scene)
 {
     struct gd_geodesics found;

@@ -20,7 +20,7 @@ static double time_pair(const struct gd_mesh *mesh, const struct gd_landmarks *l
     return ms;
 }
 
-/* Every run solves a new pair; the process' first pair is repeated as the first run. */
+/* Every run solves a new pair. The first run repeats the pair that the process has solved first. */
 static void measure(const char *name, const struct gd_mesh *mesh,
                     const struct bench_options *options)
 {

@@ -39,8 +39,8 @@ static const struct paper_figures girl_head = {{384902, 0.007360, 0.002791, 0.08
                                                {1995957, 1056117},
                                                {6.70950, 3.47284}};
 
-/* The first eight models approximate Table 1's statistics of edges; the rough ones approximate the
- * printed number of wedges per edge. */
+/* The first eight models approximate the statistics of edges in Table 1. The rough models
+ * approximate the number of wedges per edge that the paper prints. */
 const struct paper_model paper_models[] = {
     {"non-uniform-eight", "sample:eight,faces=2022,contrast=0.6,passes=0", 100, 30,
      &non_uniform_eight},

@@ -7,17 +7,17 @@ WORD] [--long] [--clock wall|cpu] [--quick]
 
 A peer is a program that follows the protocol in tests/bench/peer.h. CGAL's is gd_bench_cgal in the
 build folder, geometry-central's gd_bench_geometry_central (made by `make bench-peers
-GEOMETRY_CENTRAL=FOLDER`). The others are built elsewhere and named, with arguments if need be, by
-environment variables:
+GEOMETRY_CENTRAL=FOLDER`). The other peers are built elsewhere. Environment variables name them,
+with arguments if necessary:
 
     VTP  LIBIGL  EXPERIMENT  EXPERIMENT_SIMD  OTHER (say, an older gd_bench peer)
 
 OURS replaces `gd_bench peer` itself (say, by `gd_bench peer --cpu avx2`). Each turn starts both
-programs on the same sources, after one source that only warms them up. A ratio is the peer's median
-divided by the engine's; above 1 the engine is faster. `agree` is the largest relative difference
-between the two programs' sums of all distances, between their distances of pairs, or between their
-numbers of crossings. --quick measures next to nothing: it checks the protocol, with `ok` and `not
-ok` lines.
+programs on the same sources. The time of the first source is ignored, because it only warms the
+programs up. A ratio is the peer's median divided by the engine's; above 1 the engine is faster.
+`agree` is the largest relative difference between the two programs' sums of all distances, between
+their distances of pairs, or between their numbers of crossings. --quick measures almost nothing. It
+checks the protocol, and prints `ok` and `not ok` lines.
 """
 import os
 import pathlib

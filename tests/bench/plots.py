@@ -6,7 +6,7 @@ usage: tests/bench/plots.py [--build DIR] [--pin CPU] [--max-faces N] [--only WO
 
 Writes growth-time.svg, growth-wedges.svg, growth-bytes.svg and growth.json into the build folder. A
 family ends when its next mesh would take too long or need more memory than the machine has.
---quick: tiny meshes, `ok` and `not ok` lines.
+--quick measures tiny meshes, and prints `ok` and `not ok` lines.
 """
 import math
 import os
@@ -84,8 +84,8 @@ def runs_for(faces):
 
 
 def fits(points, faces):
-    """Returns whether a mesh of this many faces fits into time and memory, if the cost grows at the
-    rate of the last two meshes."""
+    """Returns whether a mesh of this many faces fits into the permitted time and memory, if the
+    cost continues to grow at the rate of the last two meshes."""
     if not points:
         return True
     last, power = points[-1], fit(points, "peak_bytes")[0] if len(points) > 2 else 1.5

@@ -1,6 +1,6 @@
 /* gd_bench resume: measures fields that first reach R, a quarter of the largest distance, then 2R,
- * and then the whole mesh. Each step resumes the previous field, and is also built from the
- * seed. */
+ * and then the whole mesh. Each of these fields is made in two ways: by resuming the previous
+ * field, and from the seed. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -90,8 +90,8 @@ static double sample_time(const struct gd_mesh *mesh, const struct gd_spline_req
     return bench_median(times, RUNS);
 }
 
-/* Sorts points in the order of a curve through them: each point is followed by the nearest
- * remaining point in space. */
+/* Sorts points in the order of a curve through them. The next point is always the remaining point
+ * that is nearest in space. */
 static void sort_points(const struct gd_mesh *mesh, struct gd_point *points, uint32_t count)
 {
     for (uint32_t i = 1; i < count; i++) {

@@ -34,7 +34,7 @@ void ablation_edges(const struct paper_model *model, const struct gd_mesh *mesh)
 
 /* --- Tables 2, 3 and 4 ------------------------------------------------------------------------ */
 
-/* Results of one setting and structure. Has the sums of counts over all sources, and the time of
+/* The results of one setting and structure: the sums of counts over all sources, and the time of
  * each source. */
 struct sums {
     double produced, propagated, kept, merged;
@@ -85,8 +85,8 @@ static void add_trial(const struct gd_mesh *mesh, const struct gd_point *source,
     sums->ms[at] = trial.ms;
 }
 
-/* Settings and structures alternate from source to source, forwards and backwards. The load of the
- * machine and the allocator's state therefore affect all of them equally. */
+/* All settings and structures run for each source, alternately in forward and in backward order.
+ * The load of the machine and the allocator's state therefore affect all of them equally. */
 void ablation_wedges(const struct paper_model *model, const struct gd_mesh *mesh, uint32_t sources)
 {
     struct sums sums[SETTINGS][STRUCTURES] = {0};

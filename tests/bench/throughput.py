@@ -3,22 +3,21 @@
 tables and writes bench-http.json.
 
 usage: tests/bench/throughput.py [--build DIR] [--turns N] [--seconds S] [--threads N]
-[--connections N] [--batch]
-                                 [--mesh "SAMPLE KEY=VALUE…"] [--large "SAMPLE KEY=VALUE…"] [--only
-                                 WORD] [--quick]
+                                 [--connections N] [--batch] [--mesh "SAMPLE KEY=VALUE…"]
+                                 [--large "SAMPLE KEY=VALUE…"] [--only WORD] [--quick]
 
 Throughput: wrk repeatedly requests 10,000 distinct pairs whose fields are cached, from the daemon
-and from gd_http_bare. The latter answers each request with a fixed body as large as the daemon's
-average, on as many threads. /metrics must show that the cache answered every request. A ratio is
-the median of the turns' ratios of requests a second. Each program's processor time a request (user
-and kernel, in microseconds) is also shown; the machine's load hardly affects it. With --batch the
-kernel schedules wrk as a batch job. Then wrk does not preempt a server on the same processors at
-each answer.
+and from gd_http_bare. gd_http_bare answers each request with a fixed body, which is as large as the
+daemon's average answer. It uses as many threads as the daemon. /metrics must show that the cache
+answered every request. A ratio is the median of the turns' ratios of requests a second. The table
+also has each program's processor time per request (user and kernel, in microseconds), which hardly
+depends on the machine's load. With --batch the kernel schedules wrk as a batch job. Then wrk does
+not preempt a server on the same processors at each answer.
 
-Latency: the same pairs at half of the throughput, paced by wrk's delay(): each connection waits
-before each request, so that a slow answer delays only the next request of its own connection.
-Meanwhile a worker builds fields of a large mesh, one after the other. --quick measures next to
-nothing: it checks that all this works, with `ok` and `not ok` lines.
+Latency: wrk requests the same pairs at half of the throughput. By wrk's delay(), each connection
+waits before each request, so a slow answer delays only the next request of its own connection.
+Meanwhile a worker builds fields of a large mesh, one after the other. --quick measures almost
+nothing. It checks that the program works, and prints `ok` and `not ok` lines.
 """
 import contextlib
 import http.client

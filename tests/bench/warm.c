@@ -1,5 +1,5 @@
-/* gd_bench warm: measures queries of a cached field. Queries distances in random order and in order
- * of faces, one by one and as a batch, and paths. */
+/* gd_bench warm: measures queries of a cached field. The queries are distances, in random order and
+ * in the order of faces, one by one and as a batch; and paths. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """Builds the container's image and runs it, by buildah with chroot isolation, on a base made by
-mmdebstrap, so that no registry is used. Skipped without those programs, or if not root.
+mmdebstrap, so that no registry is used. Skipped if one of these programs is missing, or if the user
+is not root.
 
     tests/container/run.py [--place DIR] [--jobs N]
 
-Base and image layers, which take long, stay in DIR (build/container) for the next run.
+The base and the layers of the image take long to build. They stay in DIR (build/container) for the
+next run.
 """
 import argparse
 import json

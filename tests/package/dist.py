@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the files that `make dist` publishes, made from a clone: checksums, contents, the list of
+"""Makes the files of `make dist` from a clone, and checks them: checksums, contents, the list of
 parts.
 
     tests/package/dist.py

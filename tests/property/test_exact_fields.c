@@ -10,7 +10,7 @@
 
 enum { FIELDS = 6, PLACES = 24, NEAR = 6, SETS_MOST = 5 };
 
-static const double SNAP = 1e-14;     /* most edge lengths by which the engine moves a point */
+static const double SNAP = 1e-14;     /* edge lengths; the engine moves a point by at most this */
 static const double ROUNDING = 1e-11; /* permitted relative difference of two compared distances */
 
 static struct gd_field *build_field(struct exact_unit *unit)
