@@ -197,7 +197,7 @@ static struct curl_slist *headers_of(const struct gdc_client *client,
     const char *json = "application/json";
     struct curl_slist *list =
         with(NULL, join("Accept: ", request->accept ? request->accept : json, ""));
-    /* disables 100-continue, which would cost a round trip */
+    /* without this header, libcurl would wait for 100 Continue, which costs a round trip */
     if (list) list = with(list, join("Expect:", "", ""));
     if (list && request->body)
         list = with(
@@ -210,7 +210,7 @@ static void set_options(struct gdc_client *client, const struct gdc_request *req
                         const char *url, struct curl_slist *headers, struct gdc_answer *answer)
 {
     CURL *curl = client->curl;
-    curl_easy_reset(curl); /* leaves the connection open */
+    curl_easy_reset(curl); /* resets the options but keeps the connection open */
     curl_easy_setopt(curl, CURLOPT_URL, url);
     curl_easy_setopt(curl, CURLOPT_HTTPHEADER, headers);
     if (!client->is_near) curl_easy_setopt(curl, CURLOPT_ACCEPT_ENCODING, "gzip");

@@ -83,8 +83,8 @@ struct gdc_request {
     size_t body_size;
     const char *content_type; /* NULL: application/json */
     const char *accept;       /* NULL: application/json */
-    /* nonzero for a request that creates something each time, such as POST /v1/batches: the client
-     * does not repeat the request if the connection fails after it was opened */
+    /* nonzero if each request creates something new, such as POST /v1/batches; the client then does
+     * not repeat the request if the connection fails after it was opened */
     int once;
 };
 
@@ -193,7 +193,7 @@ enum gdc_status gdc_upload_arrays(struct gdc_client *client, const char *mesh,
  * page unchanged. */
 struct gdc_page {
     char *json;     /* the caller frees the last text with gdc_free */
-    char next[128]; /* where the next page begins; "" after the last page */
+    char next[128]; /* the place where the next page begins; "" after the last page */
 };
 /* Reads a page of the meshes whose names begin with `prefix` (NULL means all): {"meshes":
  * [...]}. */
@@ -212,7 +212,7 @@ enum gdc_status gdc_distance(struct gdc_client *client, const char *mesh, struct
 /* A path on the surface. */
 struct gdc_path {
     double length;
-    size_t count; /* corners */
+    size_t count; /* number of corners */
     double *xyz;  /* three coordinates of each corner; the caller frees it with gdc_free */
 };
 /* Computes a shortest path. Errors: those of gdc_query, GDC_NO_PATH. */
@@ -247,7 +247,8 @@ struct gdc_batch {
     char id[64];
     char state[16];             /* running, done, cancelled */
     double progress;            /* in [0,1] */
-    size_t items, done, failed; /* all items; items with an answer; answers that are errors */
+    /* numbers of all items, of items with an answer, and of answers that are errors */
+    size_t items, done, failed;
 };
 
 /* Starts a batch: a query for many sources that continues without this client and across restarts

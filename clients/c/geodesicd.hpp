@@ -132,7 +132,8 @@ class Mesh
 class Client
 {
   public:
-    /* An empty url means $GEODESICD_URL or http://127.0.0.1:8080; an empty key, $GEODESICD_KEY. */
+    /* An empty url means $GEODESICD_URL, or http://127.0.0.1:8080 if that is not set. An empty key
+     * means $GEODESICD_KEY. */
     explicit Client(const std::string &url = {}, const std::string &key = {})
         : client_(gdc_client_create(url.empty() ? nullptr : url.c_str(),
                                     key.empty() ? nullptr : key.c_str()),

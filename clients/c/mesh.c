@@ -411,7 +411,7 @@ enum gdc_status gdc_field(struct gdc_client *client, const char *mesh,
     json_decref(made);
     if (status) return status;
     to_host_order((unsigned char *)answer.body, answer.size / 8);
-    *values = (double *)answer.body; /* aligned, since realloc returned it */
+    *values = (double *)answer.body; /* the body is aligned, because realloc returned it */
     *value_count = answer.size / 8;
     return GDC_OK;
 }

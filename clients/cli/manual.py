@@ -63,7 +63,7 @@ def items(text):
 
 
 def sentence(text):
-    """Returns the text as a sentence. Capitalises its first word, unless that is a literal."""
+    """Returns the text as a sentence. Capitalises the first word, unless this word is a literal."""
     return escape(re.sub(r"^([a-z]+ |default:)", lambda match: match[1].capitalize(), text)) + "."
 
 

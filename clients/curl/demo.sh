@@ -12,8 +12,8 @@ fi
 build=${1:-build}
 run=$build/demo
 
-# Returns whether the process of the pid file is the demo's daemon. Compares the command line,
-# because the system reuses process ids.
+# Returns whether the process whose id is in the pid file is the demo's daemon. Compares the command
+# line, because the system reuses process ids.
 is_running() {
     [ -f "$run/pid" ] && tr '\0' ' ' <"/proc/$(cat "$run/pid")/cmdline" 2>/dev/null | grep -qF -- "--data-dir $run/data"
 }

@@ -6,7 +6,7 @@ const BACKOFF_MOST_MS = 10000;
 const FLOATS = "application/octet-stream";
 const BATCH_WAIT_S = 30; // the longest wait of one request for a batch
 const PREVIEW_WAIT_MS = 500; // pause between two requests for a preview
-const SPLIT_MOST = 64; // the most meshes that one request creates
+const SPLIT_MOST = 64; // largest number of meshes that one request creates
 const TEXTS = ["obj", "off", "gltf"]; // the mesh formats that are text
 
 export class GeodesicError extends Error {
@@ -257,7 +257,7 @@ export function fromGeometry(geometry) {
   const faces = [];
   for (let i = 0; i + 2 < corners.length; i += 3) {
     const [a, b, c] = [corners[i], corners[i + 1], corners[i + 2]];
-    // Drops triangles that merging has collapsed, as at the poles of spheres.
+    // Drops triangles without area, which merging leaves at the poles of spheres, for example.
     if (a !== b && b !== c && c !== a) faces.push(a, b, c);
   }
   return { vertices: Float64Array.from(vertices.flat()), faces: Uint32Array.from(faces), index };
@@ -413,7 +413,7 @@ export class Field extends Resource {
   }
 }
 
-/* A number is a count of levels; a list holds the levels themselves. */
+/* Converts a number of levels, or a list of levels, to a member of a request. */
 function toLevels(levels) {
   return typeof levels === "number" ? { count: levels } : { levels: [...levels] };
 }
@@ -563,7 +563,7 @@ export class Client {
   async call(method, path, { query, body, headers = {}, onProgress, signal, repeatable = true } = {}) {
     if (onProgress) return (await (await this.submit(method, path, { query, body, headers, signal })).wait(onProgress, { signal })).response({ signal });
     const sent = { ...this.headers, ...headers };
-    // Compression takes longer than the transfer within a machine.
+    // Within a machine, compression takes longer than the transfer saves.
     if (this.#isNear) sent["Accept-Encoding"] ??= "identity";
     if (body !== undefined && !isBytes(body)) {
       body = JSON.stringify(body);

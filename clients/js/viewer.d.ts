@@ -10,7 +10,7 @@ export interface ViewerAnswer {
  * `<geodesic-viewer server="…" mesh="bunny" from="v:12" to="v:900">`. Attributes: `server` (the
  * origin of the daemon), `mesh`, `subdivision` or `nurbs`, `mode`, points by group (`from`, `to`,
  * `via`, …), `unit`, `ramp`, `edges`, `up`, `camera`. Fires `answer` with a `ViewerAnswer`,
- * and `error` with a message for people if a surface or an answer is refused.
+ * and `error` with a message for the user if a surface or a query is refused.
  */
 export class GeodesicViewer extends HTMLElement {
   readonly server: string;

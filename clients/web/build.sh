@@ -25,7 +25,7 @@ install_packages() {
     (cd "$place" && timeout 300 npm "$@" --ignore-scripts --no-audit --no-fund --cache "$place/cache" --loglevel=error --fetch-retry-mintimeout=1000 --fetch-retry-maxtimeout=5000) >"$place/npm.log" 2>&1 ||
         say "npm could not install the viewer's packages ($(grep -m 1 -iE 'npm err' "$place/npm.log" || echo 'no answer in 300 s')): connect to its registry," \
             "or go on by make VIEWER=no, which builds a daemon without the viewer; all that npm said is in $place/npm.log"
-    rm -rf "$place/cache" # the pages need no second download
+    rm -rf "$place/cache" # the cache would serve only a second download
     touch "$place/installed"
 }
 
@@ -62,7 +62,7 @@ check() {
         before=$(mktemp)
         touch -r "$place/installed" "$before"
         install_packages install --no-save --include=dev
-        touch -r "$before" "$place/installed" # what the pages contain is the same
+        touch -r "$before" "$place/installed" # the contents of the pages are the same
         rm "$before"
     }
     cd "$place"

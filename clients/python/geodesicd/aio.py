@@ -21,8 +21,8 @@ _END = object()
 
 
 class _Async:
-    """Wraps an object of the client: its methods become coroutines, its iterators asynchronous
-    ones."""
+    """Wraps an object of the client. Its methods become coroutines, and its iterators become
+    asynchronous iterators."""
 
     def __init__(self, target: Any, pool: concurrent.futures.Executor):
         self._target, self._pool = target, pool

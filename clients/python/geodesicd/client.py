@@ -19,7 +19,7 @@ from .transport import Response, Transport
 DEFAULT_URL = "http://127.0.0.1:8080"
 FLOATS = "application/octet-stream"
 BATCH_WAIT = 30  # longest wait of one request for a batch, in seconds
-SPLIT_MOST = 64  # the most meshes that one request creates
+SPLIT_MOST = 64  # largest number of meshes that one request creates
 PREVIEW_WAIT = 0.5  # pause between two requests for a preview, in seconds
 
 
@@ -132,16 +132,16 @@ class Field(Resource):
         return [result["distance"] for result in results]
 
     def evaluate(self, at: Points, path: bool = False, gradient: bool = False) -> List[answers.Result]:
-        """Returns for each point the distance and the nearest element of the set, and on request
-        the path to it and the gradient."""
+        """Returns for each point the distance and the nearest element of the set. With `path` and
+        `gradient`, also returns the path to this element and the gradient."""
         body = {"points": points.all_as_json(at), "path": path, "gradient": gradient}
         return cast(List[answers.Result], self.query("evaluate", body)["results"])
 
     def isolines(self, levels: Union[Sequence[float], float, None] = None, tolerance: Optional[float] = None, count: Optional[int] = None,
                  geometry: Optional[str] = None) -> List[answers.Isoline]:
-        """Returns the lines of each level, or of `count` even levels. Within faces the daemon
-        approximates the curves to `tolerance`, by default to its own tolerance. `geometry`: "full",
-        "xyz" or "none"."""
+        """Returns the lines of each level, or of `count` equally spaced levels. Within faces the
+        daemon approximates the curves to `tolerance`, by default to its own tolerance. `geometry`:
+        "full", "xyz" or "none"."""
         return cast(List[answers.Isoline], self.query("isolines", self._levels(levels, tolerance, count), geometry=geometry)["isolines"])
 
     def isoline_arrays(self, levels: Union[Sequence[float], float, None] = None, tolerance: Optional[float] = None,
@@ -358,9 +358,9 @@ class Client:
     def call(self, method: str, path: str, query: Optional[Mapping[str, Any]] = None, body: Any = None,
              headers: Optional[Mapping[str, str]] = None, progress: Optional[Progress] = None, repeatable: bool = True) -> Response:
         """Sends any request. With `progress` the request runs as a job, and the method waits for
-        it. repeatable=False is for requests that create something each time: the client does not
-        repeat them if the connection fails. The daemon may have executed such a request although
-        the method raises ConnectionFailed."""
+        it. Set repeatable=False for requests that create something new each time. The client then
+        does not repeat the request if the connection fails. The daemon may have executed such a
+        request although the method raises ConnectionFailed."""
         if progress is None or progress is False:
             return self.transport.request(method, path, query, body, headers, repeatable)
         return self.submit(method, path, query, body, headers).wait(progress).response()

@@ -58,7 +58,7 @@ class Transport:
             raise ValueError(f"{url!r} is not an address of a daemon; write http://HOST:PORT, https://HOST:PORT or unix:PATH")
         self._context = context
         is_near = self._parts.scheme == "unix" or LOOPBACK.fullmatch(self._parts.hostname or "") is not None
-        # compression takes longer than the transfer within a machine
+        # within a machine, compression takes longer than the transfer saves
         self._headers = {"Accept-Encoding": "identity" if is_near else "gzip", "User-Agent": "geodesicd-python"}
         if key:
             self._headers["Authorization"] = f"Bearer {key}"
@@ -76,8 +76,9 @@ class Transport:
                 headers: Optional[Mapping[str, str]] = None, repeatable: bool = True) -> Response:
         """Returns the answer, or raises the exception for the problem that it reports. Sends bytes
         unchanged and other bodies as JSON. Omits parameters of the query that are None.
-        repeatable=False is for requests that create something each time: they are not repeated if
-        the connection fails after it was opened, since the daemon may have received them."""
+        Set repeatable=False for requests that create something new each time. The client then does
+        not repeat the request if the connection fails after it was opened, because the daemon may
+        have received the request."""
         fields = {name: _parameter(value) for name, value in (query or {}).items() if value is not None}
         target = self._parts.path * (self._parts.scheme != "unix") + path + ("?" + urllib.parse.urlencode(fields) if fields else "")
         sent = {**self._headers, **(headers or {})}
@@ -138,8 +139,8 @@ class Transport:
         return self._open()
 
     def _open(self) -> http.client.HTTPConnection:
-        """Opens a new connection. The daemon cannot have closed it as idle, as it may have closed a
-        connection of the pool."""
+        """Opens a new connection. Unlike a connection of the pool, a new connection cannot have
+        been closed by the daemon because it was idle."""
         connection = self._connect()
         connection.connect()
         if self._parts.scheme != "unix":

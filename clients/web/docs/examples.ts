@@ -1,5 +1,6 @@
-// Creates the data that the contract's examples refer to: surfaces, meshes made from the smooth
-// ones, a field, a job and a batch. The example request of its operation creates each of them.
+// Creates the data that the contract's examples refer to: surfaces, meshes that are made from
+// smooth surfaces, a field, a job and a batch. The example requests of the contract create these
+// data.
 import { exampleBody, examplePath, type Contract } from "./contract.ts";
 
 const FIELDS = "/v1/meshes/{name}/fields";

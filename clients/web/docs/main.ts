@@ -24,7 +24,7 @@ function followSystem(): void {
   follow();
 }
 
-/** Shows the conventions of the API, which are long, only when the user presses the button. */
+/** Hides the conventions of the API, because they are long. A button shows them. */
 function foldConventions(): void {
   const button = element<HTMLButtonElement>("conventions");
   button.addEventListener("click", () => {

@@ -60,7 +60,10 @@ export class Answer {
     this.readout.textContent = main ? `${main.label}: ${main.value}` : "";
   }
 
-  /** Makes the list of facts. Drags change only the values, which costs less than a new list. */
+  /**
+   * Makes the list of facts. While the user drags, only the values change, because this costs less
+   * than a new list.
+   */
   private build(facts: Fact[]): void {
     const kind = ({ main }: Fact): { class?: string } => (main ? { class: "main" } : {});
     this.values = facts.map((fact) => make("dd", kind(fact)));

@@ -101,7 +101,7 @@ export class App {
       (made) => this.openMade(made),
     );
     byId("loads").append(this.troubles.node);
-    addEventListener("focus", () => void this.list(() => {})); /* changes of other clients */
+    addEventListener("focus", () => void this.list(() => {})); /* for changes by other clients */
     this.display = new Display(this);
     this.bench.onMeshes = () => void this.list();
     this.points.onChange = (live) => this.changed(live);
@@ -198,7 +198,10 @@ export class App {
     this.enterMode(view.parameters);
   }
 
-  /** Opens the last open surface of the mode's kind, or the daemon's first one, or a sample. */
+  /**
+   * Opens a surface of the mode's kind: the surface that was opened last, or else the daemon's
+   * first surface, or else a sample.
+   */
   private async openKind(mode: Mode): Promise<void> {
     const { kind } = mode;
     const names = this.chooser.known[kind];
@@ -250,7 +253,9 @@ export class App {
     if (error instanceof ApiError && error.status === 404) void this.list(() => {});
   }
 
-  /** Shows the version of a surface that the daemon has now. Keeps points and settings. */
+  /**
+   * Loads the current version of a surface from the daemon and shows it. Keeps points and settings.
+   */
   private loadAgain({ kind, name }: Surface): Promise<void> {
     return this.open(kind, name, { parameters: new URLSearchParams(this.read()), mode: this.mode });
   }
@@ -285,7 +290,7 @@ export class App {
     const surface = this.bench.surface!;
     this.display.restore(parameters);
     const sample = SAMPLES.find(({ name }) => name === surface.name);
-    const usual = surface.kind === "nurbs" ? "z" : "y"; /* z as in CAD, y as in most mesh files */
+    const usual = surface.kind === "nurbs" ? "z" : "y"; /* in CAD z is upwards, elsewhere y */
     this.scene.up = parameters?.get("up") ?? sample?.up ?? usual;
     if (!parameters?.has("camera")) return this.scene.fit();
     this.scene.view = parameters.get("camera")!;
@@ -307,7 +312,7 @@ export class App {
     await added;
   }
 
-  /** Opens the last of the surfaces that were uploaded. */
+  /** Opens the surface that was uploaded last. */
   private async openMade(made: Made[]): Promise<void> {
     const { kind, name, request } = made.at(-1)!;
     this.bench.prelude = [request];

@@ -68,7 +68,10 @@ void main() {
   gl_FragColor = vec4(vec3(1.0 - min(0.7, 1.5 * hidden / float(POINTS))), 1.0);
 }`;
 
-/** Multiplies colours by the mean occlusion of a 4 x 4 block's pixels of similar depth. */
+/**
+ * Multiplies each colour by the mean occlusion of the pixels of a 4 x 4 block that have a similar
+ * depth.
+ */
 const SHADE = `
 #include <packing>
 uniform sampler2D colour;

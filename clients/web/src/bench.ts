@@ -98,8 +98,8 @@ export class Bench {
   }
 
   /**
-   * Called before a newer query. Aborts the running query if it is a job. Without a drag, also
-   * aborts a query that has run for more than SLOW milliseconds.
+   * Called before a newer query. Aborts the running query if it is a job. If the user does not
+   * drag, also aborts a query that has run for more than SLOW milliseconds.
    */
   makeWay(live: boolean): void {
     if (this.isJob || (!live && performance.now() - this.begun > SLOW)) this.abort();

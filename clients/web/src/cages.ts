@@ -1,6 +1,7 @@
-// Control meshes of subdivision surfaces. The daemon does not return control meshes, so the page
-// knows only samples and files that it has uploaded since it was opened. The description of a
-// surface has the SHA-256 of its file, by which the page finds the control mesh.
+// Control meshes of subdivision surfaces. The daemon does not return control meshes. So the page
+// knows only the control meshes of samples, and of files that it has uploaded since it was opened.
+// The description of a surface has the SHA-256 of its file, by which the page finds the control
+// mesh.
 
 import { SAMPLES } from "./samples.ts";
 import type { Vec3 } from "./vector.ts";

@@ -126,7 +126,7 @@ export class Chooser {
     this.remove.hidden = !open;
   }
 
-  /** Replaces the lists of names. An open list of the browser would close. */
+  /** Replaces the lists of names. This closes the list if the user has opened it. */
   private list(names: Record<Kind, string[]>): void {
     this.shown = JSON.stringify(names);
     this.names = names;

@@ -15,7 +15,10 @@ export interface Shaded {
   positions: Float32Array;
   normals: Float32Array;
   faces: Uint32Array;
-  /** Vertices after those of the mesh are copies: the mesh vertex of each copy. */
+  /**
+   * The vertices of the mesh are followed by copies. For each copy, this array has the vertex of
+   * the mesh.
+   */
   copied: Uint32Array;
 }
 

@@ -5,7 +5,7 @@ import type { App } from "./app.ts";
 import { button, byId, make } from "./dom.ts";
 import { type FileOffer, save } from "./files.ts";
 
-const SCALE = 2; /* pixels of the saved picture per pixel of the screen, each way */
+const SCALE = 2; /* pixels of the saved picture for each pixel of the screen, in each direction */
 
 export class Downloads {
   private readonly node = byId<HTMLDetailsElement>("download");

@@ -1,6 +1,6 @@
 // Stores for each pixel the face that it shows, the barycentric weights and the light. While a drag
-// changes only values, frames are computed from these pixels. Without a graphics card, this is much
-// faster than drawing all triangles.
+// changes only values, the page computes frames from these data. Without a graphics card, this is
+// much faster than drawing all triangles.
 
 import {
   BufferGeometry,

@@ -1,6 +1,6 @@
 // Runs one task at a time, and measures the answers per second during a drag.
 
-/** The next task takes the newest input; older inputs are dropped. */
+/** Runs one task at a time. The next task uses the newest input, and older inputs are dropped. */
 export class Latest<T> {
   private next: T | undefined;
   private running = false;

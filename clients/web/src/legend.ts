@@ -44,7 +44,10 @@ export class Legend {
     ticksOf(colours, scale).forEach((tick, i) => (this.ticks[i]!.textContent = tick));
   }
 
-  /** Makes the scale. Drags change only the numbers, which costs less than a new scale. */
+  /**
+   * Makes the scale. While the user drags, only the numbers change, because this costs less than a
+   * new scale.
+   */
   private build(scale: Scale, colours: ColourMap): void {
     const bar = make("div", { class: "ramp" }, this.needle);
     bar.style.background = `linear-gradient(to right, ${stopsOf(colours).join(", ")})`;

@@ -3,7 +3,7 @@
 import type { Api } from "./api.ts";
 import { button, byId, make, store } from "./dom.ts";
 
-/** Whether the system is dark. Its theme holds until the user chooses one. */
+/** Whether the system's theme is dark. The page has this theme until the user chooses a theme. */
 const dark = matchMedia("(prefers-color-scheme: dark)");
 
 const chosen = (): string | null => store.get("theme");

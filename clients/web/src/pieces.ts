@@ -1,4 +1,5 @@
-// Shows the pieces of a cut instead of the surface, each in its colour, moved apart.
+// Shows the pieces of a cut instead of the surface. Each piece has its own colour, and the pieces
+// are moved apart.
 
 import type { Bench } from "./bench.ts";
 import { hexOf, memberColour } from "./colours.ts";

@@ -105,7 +105,7 @@ export class Scene {
   constructor(readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: this.isFast, stencil: true });
     this.renderer.autoClear = false;
-    this.renderer.debug.checkShaderErrors = false; /* the check would block */
+    this.renderer.debug.checkShaderErrors = false; /* the check would block the page */
     this.renderer.setPixelRatio(this.ratio);
     const lamp = new DirectionalLight(0xffffff, 2.2);
     lamp.position.set(-0.6, 0.8, 1);
@@ -194,7 +194,7 @@ export class Scene {
     this.draw();
   }
 
-  /** Requests a frame after a change of only the values of the surface. */
+  /** Requests a frame after a change that concerns only the values of the surface. */
   recolour(): void {
     const isCheap = this.isHeld && !this.isFast && !this.other && this.skin?.showsValuesAlone;
     if (!isCheap) return this.redraw();
@@ -212,7 +212,7 @@ export class Scene {
     else this.draw();
   }
 
-  /** Requests a frame after a change of only lines or objects on the surface. */
+  /** Requests a frame after a change that concerns only lines or objects on the surface. */
   draw(): void {
     clearTimeout(this.rest);
     if (this.wanted || !this.hasShown) return;
@@ -235,7 +235,7 @@ export class Scene {
     }, REST);
   }
 
-  /** Sets the number of drawn pixels per pixel of the screen, each way. */
+  /** Sets the number of drawn pixels for each pixel of the screen, in each direction. */
   private scale(ratio: number): void {
     if (this.renderer.getPixelRatio() === ratio) return;
     this.renderer.setPixelRatio(ratio);

@@ -141,8 +141,8 @@ export class Skin {
   private isFlat: boolean;
 
   /**
-   * Borrows the arrays. `own` has the triangles of the mesh. `fine` is the refined mesh, which is
-   * drawn instead.
+   * Borrows the arrays. `own` has the triangles of the mesh. If `fine`, a refined mesh, is given,
+   * it is drawn instead.
    */
   constructor(
     private readonly own: { positions: Float32Array; faces: Uint32Array },
@@ -193,7 +193,7 @@ export class Skin {
     return this.pieces ? [this.mesh.material, this.pieces.material] : [this.mesh.material];
   }
 
-  /** Hides what lies behind the planes. */
+  /** Hides the parts of the surface behind the planes. */
   set clippingPlanes(planes: Plane[] | null) {
     for (const material of this.materials) material.clippingPlanes = planes;
   }

@@ -1,7 +1,7 @@
 // Stores the content of the page in the fragment of its address. Each finished edit is a history
 // entry, so the browser's Back and Forward are undo and redo.
 
-const DELAY = 250; /* milliseconds in which edits become one entry */
+const DELAY = 250; /* milliseconds; edits within this time become one entry */
 
 /** Escapes only characters that would end a parameter, so that people can read the link. */
 const encoded = (value: string): string =>
@@ -69,7 +69,7 @@ export class State {
     else history.replaceState({ depth: this.depth }, "", target);
   }
 
-  /** Goes back one history entry, but never leaves the page. */
+  /** Returns to the previous history entry, but never leaves the page. */
   undo(): void {
     this.flush();
     if (this.depth === 0) return;

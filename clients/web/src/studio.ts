@@ -7,7 +7,7 @@ import { dot, unit, type Vec3 } from "./vector.ts";
 const SIZE = 256;
 const KEY = unit([-0.55, 0.75, 0.65]); /* a large soft lamp, left above the camera */
 const FILL = unit([0.8, 0.1, 0.5]);
-const HALF = unit([KEY[0], KEY[1], KEY[2] + 1]); /* halfway between the key lamp and the eye */
+const HALF = unit([KEY[0], KEY[1], KEY[2] + 1]); /* halfway between key lamp and camera */
 
 let texture: DataTexture | undefined;
 

@@ -4,7 +4,8 @@ import type { Pixel, Scene } from "./scene.ts";
 
 const SLACK = 5; /* pixels by which the pointer may move during a click */
 const TURN = Math.PI / 36; /* radians by which an arrow key turns the camera */
-const SHIFT = 0.05; /* part of the picture's height by which Shift and an arrow key shift it */
+/* fraction of the picture's height by which Shift and an arrow key shift the picture */
+const SHIFT = 0.05;
 
 export class Touch {
   private down: Pixel | null = null;

@@ -1,5 +1,5 @@
-// Uploads files of the user, one after the other. If the daemon already has the name, the user
-// decides what to do.
+// Uploads files of the user, one after the other. If the daemon already has a surface of this name,
+// the user chooses the next step.
 
 import { type Api, ApiError, ask, pathOf, type Request } from "./api.ts";
 import { isAbort } from "./bench.ts";
@@ -24,8 +24,7 @@ export interface Made {
 }
 
 const LARGE = 8 << 20; /* size in bytes; a larger file is uploaded as a job */
-/* largest number of characters of a name before a suffix; the API permits 128 characters in total
- * */
+/* largest number of characters of a name before a suffix; the API permits 128 characters in all */
 const LONGEST_STEM = 100;
 
 type Choice = "replace" | "keep-both" | "keep";
