@@ -12,7 +12,8 @@ OPT     ?= -O3
 DEBUG   ?= -g1 -gz
 WARN    := -Wall -Wextra -Wshadow -Wpointer-arith -Wvla
 CWARN   := $(WARN) -Wstrict-prototypes -Wmissing-prototypes
-# SAN: sanitizers or coverage. Test programs share such code in one library (tests/tests.mk).
+# SAN: flags of sanitizers or of coverage. With SAN, the test programs share one library
+# (tests/tests.mk).
 SANITIZING := $(if $(SAN),$(SAN) -fPIC -fvisibility=default)
 # The user may set CPPFLAGS, CFLAGS, CXXFLAGS and LDFLAGS. They come after the flags below.
 GD_CPPFLAGS := -Iengine/include -Iengine -I. -I$(BUILD) -D_GNU_SOURCE

@@ -40,7 +40,7 @@ find_missing() {
     local package version list=required
     required=()
     optional=()
-    # The version is empty until apt has its lists. No package is installed before that.
+    # The version is empty until apt has its lists. The script installs no package before.
     version=$( (dpkg-query -W -f='${Depends}\n' clang; apt-cache depends clang) 2>/dev/null | sed -n 's/.*clang-\([0-9]\+\).*/\1/p' | head -n 1 || true)
     version=${version:-*}
     if [ -n "$headers" ]; then # the libraries of the same source: dependencies with a fixed version
@@ -62,14 +62,14 @@ unpack_headers() {
     rm -rf "$folder"
     mkdir -p "$(dirname "$folder")"
     dpkg-deb -R "$place/$headers"_*.deb "$folder"
-    # The names of libraries for the linker are links to the installed libraries.
+    # The linker finds libraries by links, which must lead to the installed libraries.
     find "$folder/usr/lib" -name '*.so' -type l | while read -r link; do
         ln -sfn "$(dirname "${link#"$folder"}")/$(readlink "$link")" "$link"
     done
 }
 
-# Debian's npm depends on 350 packages with 200 MB. They are unpacked only to install npm from its
-# registry, which needs only node, and are deleted afterwards.
+# Debian's npm depends on 350 packages with 200 MB. The script unpacks these packages only to
+# install npm from npm's registry, and deletes them afterwards. This npm needs only node.
 install_npm() {
     mkdir -p "$place/archives/partial"
     "${root[@]}" apt-get -qq -y --no-install-recommends --download-only -o Dir::Cache::archives="$place/archives" install npm >"$log" &&
@@ -121,7 +121,7 @@ if [ ${#required[@]} = 0 ] && $is_unpacked && [ -z "$npm_folder" ]; then
 fi
 
 if [ ${#required[@]} = 0 ] && [ -z "$npm_folder" ] &&
-    apt-cache show "$headers" >/dev/null 2>&1; then # needs no root
+    apt-cache show "$headers" >/dev/null 2>&1; then # this needs no root
     unpack_headers
     exit 0
 fi
@@ -153,9 +153,9 @@ for package in "${optional[@]}"; do
 done
 
 log=$place/log
-policy=/usr/sbin/policy-rc.d # Debian's own way to say that no service starts
+policy=/usr/sbin/policy-rc.d # by this file, Debian starts no service
 [ -e $policy ] && policy= || printf '#!/bin/sh\nexit 101\n' | "${root[@]}" install -m 755 /dev/stdin $policy
-# A system without lists, such as a container's image, keeps none.
+# If the system had no lists before, as in a container's image, the script removes them.
 trap 'rm -rf "$place"; [ -z "$policy" ] || "${root[@]}" rm -f "$policy"; [ -n "$had_lists" ] || "${root[@]}" find $lists -type f -delete' EXIT
 
 # Installs packages. Prints a line for each tenth of the work, and apt's output only if it fails.

@@ -71,7 +71,7 @@ $(BUILD)/geodesic.1: clients/cli/manual.py clients/cli/geodesic $(wildcard clien
 	@mkdir -p $(@D)
 	$(call tell,GEN)clients/cli/manual.py clients/cli/geodesic > $@
 
-# These files are written each time, since PREFIX may have changed.
+# make writes these files each time, because PREFIX may have changed.
 VERSION = $$(sed -n 's/^  version: *//p' proto/openapi.yaml | head -n 1)
 configure = @mkdir -p $(@D) && sed "s|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|" \
                 $(wildcard engine/$(@F).in clients/c/$(@F).in) > $@
@@ -87,7 +87,7 @@ $(BUILD)/geodesic: clients/cli/geodesic FORCE
 	@sed '1s|/usr/bin/env python3|/usr/bin/python3|; s|^sys.path.append(.*$$|sys.path.append("$(PYTHONDIR)")|' $< > $@
 
 # The packages are built in a copy of docker/debian, since dpkg requires a folder `debian`.
-# DEB_BUILD=$(BUILD) packages the existing build: then the variables of flags are set, so debhelper
+# DEB_BUILD=$(BUILD) packages the existing build. The variables of flags are then set, so debhelper
 # does not add hardening flags, which would change the build.
 DEB_BUILD ?= $(BUILD)/hardened
 DEB_FLAGS = $(if $(filter $(abspath $(BUILD)),$(abspath $(DEB_BUILD))), \

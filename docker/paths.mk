@@ -24,7 +24,8 @@ $(foreach name,BUILD PAGES_BUILD DEB_BUILD PREFIX DESTDIR LIBDIR UNITDIR PYTHOND
 ifeq ($(BUILD),)
 $(error BUILD is empty: name a folder, or leave it out for ./build)
 endif
-# BUILD in one spelling, since the dependency files that compilers write have paths below it.
+# Brings BUILD into one spelling, because the dependency files that compilers write contain paths
+# below it.
 override BUILD := $(patsubst $(CURDIR)/%,%,$(abspath $(BUILD)))
 
 # `make clean` removes the build folder. So the build folder must not be the checkout, a folder

@@ -28,7 +28,8 @@ endef
 $(BUILD)/stamps/%: | $(BUILD_MARK)
 	@mkdir -p $(@D) && printf '%s\n' "$$STAMP" >$@
 
-# $(call library,ARCHIVE,OBJECTS): the rule of an archive. Changes of the list also rebuild it.
+# $(call library,ARCHIVE,OBJECTS): the rule of an archive. A changed list of objects also rebuilds
+# the archive.
 define library
 $(subst /,_,$(1))_LIST := $(2)
 $(call stamp,$(notdir $(1)),$(subst /,_,$(1))_LIST)

@@ -9,14 +9,14 @@ PACKAGES := g++ make libmicrohttpd-dev libjansson-dev libgnutls28-dev libseccomp
 # Debian's libopenmesh-dev depends on OpenSceneGraph, with LLVM and Mesa more than 500 MB, which the
 # engine does not use. So its headers are unpacked into the checkout, unless it is installed.
 OPENMESH_PACKAGE := libopenmesh-dev
-# What tests need in addition. Tests start HAProxy and PostgreSQL themselves, so the services of
-# these packages need not run.
+# Packages that only the tests need. Tests start HAProxy and PostgreSQL themselves, so the services
+# of these packages need not run.
 TEST_PACKAGES := clang clang-format codespell libclang-rt-{clang}-dev libcmocka-dev libcurl4-openssl-dev python3-jsonschema \
                  debhelper dh-python lintian pkg-config haproxy postgresql
 OPTIONAL_TEST_PACKAGES := libosd-dev libcgal-dev wrk $(KUBECTL) python3-numpy python3-tqdm python3-plotly python3-setuptools python3-wheel mypy cmake zsh fish
-# The pages need node and npm, from Debian or elsewhere. A system without npm gets one in the
-# checkout. The tests of the pages need a browser: chromium, from Debian. Ubuntu's package chromium
-# is not installed, because it installs a snap.
+# The pages need node and npm, from Debian or elsewhere. If the system has no npm, npm is installed
+# into the checkout. The tests of the pages need a browser: chromium, from Debian. Ubuntu's package
+# chromium is not installed, because it installs a snap.
 NODE     = $(if $(filter no,$(VIEWER)),,$(shell command -v node >/dev/null || echo nodejs) --npm $(NPM) 10.9.4)
 NPM     := $(CURDIR)/build/npm
 export PATH := $(PATH):$(NPM)/node_modules/.bin

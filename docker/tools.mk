@@ -22,6 +22,7 @@ $(eval $(call need,client-headers,setup-test,,curl/curl.h:libcurl4-openssl-dev j
 $(eval $(call need,lint-tools,setup-test,clang:clang clang++:clang clang-format:clang-format,))
 $(eval $(call need,package-tools,setup-test,dpkg-buildpackage:dpkg-dev dh:debhelper,))
 
-# All objects depend on $(COMPILE), the stamp of the compiler's flags, and so on the tools.
+# All objects depend on $(COMPILE), the stamp of the compiler's flags. So they also depend on the
+# tools.
 $(COMPILE): | $(BUILD)/stamps/tools
 $(call objects,server/main.c $(SERVER_C) $(PROTO_C)): | $(BUILD)/stamps/server-headers
