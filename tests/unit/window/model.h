@@ -1,7 +1,7 @@
 /* Makes random windows, and the model with which lists are compared. The model has, at each
  * parameter, the minimum over all offered windows. */
-#ifndef TESTS_UNIT_WEDGE_MODEL_H
-#define TESTS_UNIT_WEDGE_MODEL_H
+#ifndef TESTS_UNIT_WINDOW_MODEL_H
+#define TESTS_UNIT_WINDOW_MODEL_H
 
 #include "tests/support/test.h"
 
