@@ -9,7 +9,7 @@ CC      ?= cc
 CXX     ?= c++
 OPT     ?= -O3
 # Line numbers, for backtraces and profiles. DEBUG=-g adds variables, for a debugger.
-DEBUG   ?= -g1 -gz
+DEBUG   ?= -g1
 WARN    := -Wall -Wextra -Wshadow -Wpointer-arith -Wvla
 CWARN   := $(WARN) -Wstrict-prototypes -Wmissing-prototypes
 # SAN: flags of sanitizers or of coverage. With SAN, the test programs share one library

@@ -208,7 +208,7 @@ class Limits(Keyed):
     def test_concurrent_requests_of_a_key_are_limited(self):
         self.assertEqual(self.ask("PUT", "/v1/meshes/rough", "fast", sample("terrain", cells=96, amplitude=1)).status, 201)
         path = "/v1/meshes/rough/matrix"
-        body = json.dumps({"sources": [{"vertex": i} for i in range(40)], "targets": [{"vertex": 9000}]})
+        body = json.dumps({"sources": [{"vertex": i} for i in range(40)], "targets": [{"vertex": 9000 + i} for i in range(400)]})
         with concurrent.futures.ThreadPoolExecutor(12) as pool:
             answers = list(pool.map(lambda _: self.ask("POST", path, "narrow", body), range(12)))
         statuses = sorted(answer.status for answer in answers)
@@ -222,7 +222,7 @@ class Limits(Keyed):
 
     def test_a_running_job_counts_as_a_request_of_its_key(self):
         self.ask("PUT", "/v1/meshes/wide", "fast", sample("terrain", cells=96, amplitude=1))
-        body = json.dumps({"sources": [{"vertex": i} for i in range(400)], "targets": [{"vertex": 9000}]})
+        body = json.dumps({"sources": [{"vertex": i} for i in range(400)], "targets": [{"vertex": 9000 + i} for i in range(400)]})
         job = self.ask("POST", "/v1/meshes/wide/matrix", "single", body, Prefer="respond-async")
         self.assertEqual(job.status, 202)
         self.assert_problem(self.ask("GET", "/v1", "single"), 429, "rate_limited")

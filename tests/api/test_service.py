@@ -202,7 +202,8 @@ class Service(TestCase):
                    "spline", "curve", "picture"}
         queries |= {f"nurbs/{name}" for name in ("evaluate", "nearest", "path", "geodesic", "point-curve-distance", "curve-distance", "tessellate",
                                              "picture")}
-        queries |= {f"subdivisions/{name}" for name in ("evaluate", "nearest", "trace", "distance", "path", "tessellate", "discretize", "picture")}
+        queries |= {f"subdivisions/{name}" for name in ("evaluate", "nearest", "trace", "distance", "path", "tessellate", "discretize", "levels",
+                                                    "picture")}
         self.assertEqual(set(service["capabilities"]["queries"]), queries)
         self.assertGreater(service["limits"]["memory_budget_bytes"], 0)
 
