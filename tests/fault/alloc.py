@@ -45,6 +45,9 @@ QUERIES = {"/v1/meshes/{name}/distance": "?from=v:0&to=e:1-2:0.5", "/v1/meshes/{
            **{f"/v1/meshes/{{name}}/picture.{form}": "?source=v:0&from=v:0&to=v:2&isolines=2&size=64x48" for form in ("png", "svg")}}
 # requests that use a mesh of a low level, which is built quickly
 COARSE = ("/v1/subdivisions/{name}/distance", "/v1/subdivisions/{name}/path")
+# figures of surfaces that take a second with the distances on 40,000 triangles; figures of meshes
+# have these layers too
+SMOOTH_FIGURES = ("/v1/nurbs/{name}/picture", "/v1/subdivisions/{name}/picture")
 JOBS = (("put", "/v1/meshes/{name}"), ("post", "/v1/meshes/{name}/fields"), ("post", "/v1/meshes/{name}/cut"), ("post", "/v1/meshes/{name}/voronoi"))
 # requests whose answers depend on the daemon's state
 UNSTABLE = ("/metrics", "/v1", "/v1/jobs", "/v1/jobs/{job}", "/v1/jobs/{job}/events", "/v1/batches", "/v1/batches/{batch}")
@@ -101,6 +104,10 @@ class Request:
         self.kind, self.body = example(document, operation)
         if path in COARSE and self.body:
             self.body = self.body[:-1] + b', "level": 2}'
+        if path in SMOOTH_FIGURES and self.body:
+            figure = json.loads(self.body)
+            figure["layers"] = [layer for layer in figure["layers"] if not layer.keys() & {"field", "isolines"}]
+            self.body = json.dumps(figure).encode()
 
     def __str__(self):
         return f"{self.method} {self.path}" + (", as a job" if self.is_async else "")
