@@ -37,7 +37,7 @@ $(BUILD)/gd_load: $(BUILD)/obj/tests/fault/load.c.o $(LINK)
 FUZZERS      := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZ_SECONDS ?= 60
 # Fault tests in their short form. `make torture` runs the long form.
-FAULT_TESTS   = "$(BUILD)/gd_alloc --short" "tests/fault/alloc.py --short" tests/fault/scarcity.py tests/fault/kill.py tests/fault/replay.py "tests/fault/disk.py --step 7" \
+FAULT_TESTS   = "$(BUILD)/gd_alloc --short" tests/fault/scarcity.py tests/fault/kill.py tests/fault/replay.py "tests/fault/disk.py --step 7" \
                 tests/fault/flip.py tests/fault/restore.py "tests/fault/halfopen.py --short" "tests/fault/overload.py --short" "tests/fault/answers.py --short" \
                 tests/fault/disconnect.py "tests/fault/deadline.py --short --count 300" tests/fault/stuck_log.py "tests/fault/tenants.py --short" tests/fault/soak.py
 

@@ -76,7 +76,7 @@ test: announce-test setup-test ## set up and run all tests
 	    $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
 	@$(MAKE) --no-print-directory -j2 $(SANITIZED) $(ASAN_PROGRAMS) $(FUZZ_PROGRAMS)
 	@$(MAKE) --no-print-directory check-layers
-	@tests/run.py $(TEST_PROGRAMS) "tests/api/run.py test_contract_problems" "$(FUZZ_SHORT)" $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
+	@tests/run.py $(TEST_PROGRAMS) "tests/fault/alloc.py --short" "tests/api/run.py test_contract_problems" "$(FUZZ_SHORT)" $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
 	    "tests/bench/table.py --quick --build $(BUILD)" "tests/bench/peers.py --quick --build $(BUILD)" "tests/bench/plots.py --quick --build $(BUILD)" \
 	    "tests/bench/throughput.py --quick --build $(BUILD)" \
 	    tests/oracle/mirror.py "tests/api/run.py $(API_FIRST)" "tests/web/run.py --build $(BUILD) --only $(WEB_FIRST)" "tests/api/run.py $(API_SECOND)" tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/package/libraries.py --build $(BUILD)" tests/package/dist.py "tests/cluster/routing.py --short" "tests/cluster/shared.py --short" "tests/cluster/capacity.py --short" tests/cluster/shipped.py "tests/web/run.py --build $(BUILD) --only $(WEB_SECOND)" $(FAULT_TESTS) "$(FUZZ_REPLAY)"

@@ -245,8 +245,8 @@ enum gdc_status gdc_field(struct gdc_client *client, const char *mesh,
 /* The state of a batch. */
 struct gdc_batch {
     char id[64];
-    char state[16];             /* running, done, cancelled */
-    double progress;            /* in [0,1] */
+    char state[16];  /* running, done, cancelled */
+    double progress; /* in [0,1] */
     /* numbers of all items, of items with an answer, and of answers that are errors */
     size_t items, done, failed;
 };

@@ -8,9 +8,9 @@
  * at a time. */
 
 enum {
-    BLOCK = 16, /* points */
-    STEPS = 4,  /* a block is evaluated this many blocks after it was opened */
-    RING = 8,   /* blocks in progress; a power of two, more than STEPS */
+    BLOCK = 16,         /* points */
+    STEPS = 4,          /* a block is evaluated this many blocks after it was opened */
+    RING = 8,           /* blocks in progress; a power of two, more than STEPS */
     CHECK_INTERVAL = 64 /* blocks */
 };
 
