@@ -98,6 +98,18 @@ static void lines_read(const void *source, uint64_t first, uint64_t count, void 
     }
 }
 
+void server_array_copy(const struct server_array *array, void *out)
+{
+    size_t row = array->columns * sizeof(double);
+    if (array->read) {
+        array->read(array->source, 0, array->rows, out);
+        return;
+    }
+    for (uint64_t i = 0; i < array->rows; i++)
+        memcpy((char *)out + i * row,
+               (const char *)array->source + i * (array->stride ? array->stride : row), row);
+}
+
 void server_arrays_add_lines(struct server_arrays *arrays, const struct server_lines *lines)
 {
     server_arrays_add_named_lines(arrays, lines, "points", "first");

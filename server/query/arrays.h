@@ -60,6 +60,9 @@ void server_arrays_add_indices(struct server_arrays *arrays, const char *name, u
 void server_arrays_add_member(struct server_arrays *arrays, const char *name, uint64_t rows,
                               const double *first, size_t stride);
 
+/* Copies the rows of an array of numbers that has columns. */
+void server_array_copy(const struct server_array *array, void *out);
+
 /* --- polylines -------------------------------------------------------------------------------- */
 
 /* Points of several lines, one line after the other. */

@@ -139,7 +139,7 @@ struct server_query_kind {
     const char *reply_form;
     bool has_bytes; /* true if application/octet-stream selects the first array without a head */
     /* Writes the answer in the query's form; the exchange's `held` counts it. */
-    bool (*write)(const struct server_query *query, struct server_answer_file *out);
+    bool (*write)(struct server_query *query, struct server_answer_file *out);
     /* Lists the arrays of an answer that is DONE, for the forms of arrays.h. The arrays must stay
        valid as long as the query. On failure, returns false with the problem. NULL means that the
        answer has no such forms. */

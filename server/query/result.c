@@ -12,6 +12,16 @@
 #define STRIP_BYTES_A_POINT 512
 #define STRIP_BYTES_LEAST   ((size_t)1 << 20)
 
+const struct server_form server_result_line_forms[] = {SERVER_RESULT_LINE_FORMS,
+                                                       {NULL, NULL, false}};
+const struct server_form server_result_smooth_line_forms[] = {{"obj", "model/obj", false},
+                                                              {"glb", "model/gltf-binary", false},
+                                                              {"csv", "text/csv", false},
+                                                              {NULL, NULL, false}};
+
+/* in the order of SERVER_RESULT_LINE_FORMS */
+static const enum gd_result_format line_formats[] = {GD_RESULT_OBJ, GD_RESULT_GLB, GD_RESULT_CSV};
+
 /* Replaces `bytes` of the held bytes by `actual`. Returns true if there was no failure. */
 static bool file_settle(const struct server_query *query, size_t bytes, size_t actual,
                         enum gd_status status)
@@ -35,11 +45,11 @@ static bool result_write(const struct server_query *query, const struct gd_resul
 bool server_result_write(const struct server_query *query, const struct gd_result *result,
                          enum gd_result_format format, struct server_answer_file *out)
 {
+    if (!query->with_mesh) return result_write(query, result, format, out);
     const struct gd_mesh_summary *summary = gd_mesh_summary(query->surface->mesh);
     size_t cost = summary->index_count * sizeof(double[3]) + summary->faces * sizeof(uint32_t[3]);
     struct gd_polygons polygons;
     struct gd_result whole = *result;
-    if (!query->with_mesh) return result_write(query, result, format, out);
     if (!server_request_take(query->exchange, WHAT, cost, query->problem)) return false;
     enum gd_status status = gd_mesh_polygons(query->surface->mesh, &polygons);
     whole.mesh = &polygons;
@@ -52,7 +62,6 @@ bool server_result_write_lines(const struct server_query *query,
                                const struct server_result_lines *lines,
                                struct server_answer_file *out)
 {
-    static const enum gd_result_format formats[] = {GD_RESULT_OBJ, GD_RESULT_GLB, GD_RESULT_CSV};
     uint32_t count = lines->count, *first = calloc(count + (size_t)1, sizeof *first);
     for (uint32_t i = 0; i < count && first; i++) first[i + 1] = first[i] + lines->paths[i].count;
     size_t cost = first ? first[count] * sizeof(double[3]) + count * sizeof *first : 0;
@@ -69,13 +78,29 @@ bool server_result_write_lines(const struct server_query *query,
                                          .levels = lines->levels,
                                          .poses = lines->poses,
                                          .pose_count = lines->pose_count};
-        ok = positions &&
-             server_result_write(query, &result, formats[query->form - SERVER_FORM_FIRST], out);
+        ok = positions && server_result_write(query, &result,
+                                              line_formats[query->form - SERVER_FORM_FIRST], out);
         file_settle(query, cost, 0, positions ? GD_OK : GD_NO_MEMORY);
     }
     free(positions);
     free(first);
     return ok;
+}
+
+bool server_result_write_listed(struct server_query *query, struct server_answer_file *out)
+{
+    if (!query->kind->list_arrays(query)) return false;
+    const struct server_array *points = server_arrays_find(&query->arrays, "points"),
+                              *first = server_arrays_find(&query->arrays, "first");
+    if (!points || first->rows < 2)
+        return server_result_refuse_nothing(query->problem, "the answer has no lines");
+    double(*positions)[3] = server_query_allocate(query, points->rows, sizeof *positions);
+    if (!positions) return server_query_refuse(query, GD_BUDGET, WHAT);
+    server_array_copy(points, positions);
+    const struct gd_result result = {.points = (const double(*)[3])positions,
+                                     .first = first->source,
+                                     .line_count = (uint32_t)first->rows - 1};
+    return server_result_write(query, &result, line_formats[query->form - SERVER_FORM_FIRST], out);
 }
 
 bool server_result_write_strip(const struct server_query *query, const struct gd_path *path,

@@ -21,6 +21,9 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
 #define SERVER_RESULT_LINE_FORMS_END (SERVER_FORM_FIRST + 3)
 #define SERVER_RESULT_LINE_FORM_GLB  (SERVER_FORM_FIRST + 1)
 
+/* These forms alone, on meshes and on surfaces without a mesh. */
+extern const struct server_form server_result_line_forms[], server_result_smooth_line_forms[];
+
 /* Paths, borrowed, at least one. */
 struct server_result_lines {
     const struct gd_path *paths;
@@ -35,6 +38,10 @@ struct server_result_lines {
 bool server_result_write_lines(const struct server_query *query,
                                const struct server_result_lines *lines,
                                struct server_answer_file *out);
+
+/* Like server_result_write_lines, for lines that the kind lists as the arrays "points" and "first".
+ * Surfaces without a mesh have them too. */
+bool server_result_write_listed(struct server_query *query, struct server_answer_file *out);
 
 /* Writes a path, and the faces that it crosses, unfolded into the plane, as a drawing
  * (proto/values/flat_strip.h). */

@@ -1,5 +1,5 @@
-"""Reads figures of POST …/picture: lines and discs of an SVG, nodes of a GLB; and projects positions
-into them independently."""
+"""Reads figures of POST …/picture: lines and discs of an SVG, nodes of a GLB. Projects positions
+independently."""
 import json
 import math
 import xml.etree.ElementTree as ElementTree

@@ -1,5 +1,5 @@
 """Tests answers as files for other programs: fields as PLY, GLB and CSV; paths as OBJ, GLB, CSV and
-SVG; isolines and splines as OBJ, GLB and CSV; and glTF in both directions. Also runs other programs
+SVG; other lines as OBJ, GLB and CSV; and glTF in both directions. Also runs other programs
 that read these files."""
 import csv
 import io
@@ -14,6 +14,7 @@ import unittest
 import xml.etree.ElementTree
 import zipfile
 
+from arrays import read as read_arrays
 from harness import PROGRAM, SQUARE, TWO_TRIANGLES, TestCase, sample
 
 PEERS = PROGRAM.parent / "peers"
@@ -332,6 +333,70 @@ class Splines(Files):
 
     def test_memory_is_given_back(self):
         self.file("glb", {**self.BODY, "frames": True})
+        self.daemon.wait_for_flight()
+
+
+class Lines(Files):
+    """Traces, vectors, Voronoi diagrams, and paths on smooth surfaces as files: the lines of the
+    answer as arrays."""
+
+    CUBE = ("v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+            "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n").encode()
+    QUESTIONS = [("meshes", "torus", "trace", {"start": {"vertex": 0}, "fan": 3, "length": 1}),
+                 ("meshes", "torus", "exp", {"start": {"vertex": 0}, "vectors": [{"direction": 0, "length": 0.5}, {"direction": 2, "length": 1}]}),
+                 ("meshes", "torus", "voronoi", {"set": {"points": [{"vertex": 0}, {"vertex": 40}]}}),
+                 ("subdivisions", "cube", "path", {"from": {"face": 0, "uv": [0.2, 0.3]}, "to": {"face": 1, "uv": [0.5, 0.5]}, "level": 3}),
+                 ("subdivisions", "cube", "trace", {"start": {"face": 0, "uv": [0.2, 0.3]}, "fan": 3, "length": 1}),
+                 ("nurbs", "ring", "path", {"from": [0, 0.3], "to": [1, 0.5], "all_minima": True}),
+                 ("nurbs", "ring", "point-curve-distance", {"point": [0, 0.3], "curve": {"polyline": [[1, 0.5], [1, 1]]}}),
+                 ("nurbs", "ring", "curve-distance", {"a": {"polyline": [[0, 0.3], [0, 0.6]]}, "b": {"polyline": [[1, 0.5], [1, 1]]}})]
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        ring = json.dumps({"parametric": {"torus": {"major": 3, "minor": 1}}}).encode()
+        for kind, name, body in (("subdivisions", "cube", cls.CUBE), ("nurbs", "ring", ring)):
+            assert cls.daemon.request("PUT", f"/v1/{kind}/{name}", body, {"Content-Type": "application/json"} if kind == "nurbs" else {}).status == 201
+
+    def ask(self, kind, name, query, body, form):
+        return self.daemon.request("POST", f"/v1/{kind}/{name}/{query}?format={form}", json.dumps(body).encode(), {"Content-Type": "application/json"})
+
+    def lines(self, *question):
+        """Returns the points of each line by the answer as arrays."""
+        listed = read_arrays(self.ask(*question, "f64").body)
+        numbers, first = listed["points"][1], listed["first"][1]
+        return [[numbers[3 * i:3 * i + 3] for i in range(a, b)] for a, b in zip(first, first[1:])]
+
+    def test_each_form_has_the_lines(self):
+        for question in self.QUESTIONS:
+            with self.subTest(question[:3]):
+                lines = self.lines(*question)
+                self.assertTrue(lines and all(len(line) > 1 for line in lines))
+                files = {form: self.ask(*question, form) for form in ("obj", "csv", "glb")}
+                for form, answer in files.items():
+                    self.assertEqual((answer.status, answer.headers["Content-Type"]), (200, KINDS[form]), answer)
+                rows = [row.split() for row in files["obj"].body.decode().splitlines()]
+                places = [list(map(float, row[1:])) for row in rows if row[0] == "v"]
+                self.assertEqual([[places[int(i) - 1] for i in row[1:]] for row in rows if row[0] == "l"], lines)
+                table = list(csv.DictReader(io.StringIO(files["csv"].body.decode(), newline="")))
+                self.assertEqual([[float(row[axis]) for axis in "xyz"] for row in table], [p for line in lines for p in line])
+                self.assertEqual([int(row["line"]) for row in table], [i for i, line in enumerate(lines) for _ in line])
+                document, _ = read_glb(files["glb"].body)
+                self.assertEqual(len(document["meshes"][0]["primitives"]), len(lines))
+
+    def test_with_the_mesh(self):
+        body = self.QUESTIONS[0][3]
+        glb = self.ask("meshes", "torus", "trace", body, "glb&mesh=true").body
+        self.assertEqual(self.daemon.put("again", glb).json["faces"], self.daemon.get("/v1/meshes/torus").json["faces"])
+        self.assert_problem(self.ask("meshes", "torus", "trace", body, "csv&mesh=true"), 400, "invalid_request")
+        self.assert_problem(self.ask(*self.QUESTIONS[3], "obj&mesh=true"), 400, "invalid_request")
+
+    def test_an_answer_without_lines_is_no_file(self):
+        self.assert_problem(self.ask(*self.QUESTIONS[2], "obj&select=labels"), 406, "not_acceptable")
+
+    def test_memory_is_given_back(self):
+        for question in self.QUESTIONS:
+            self.ask(*question, "obj")
         self.daemon.wait_for_flight()
 
 

@@ -654,7 +654,7 @@ static enum gd_status spline_list_poses(const struct spline_query *own, struct g
 }
 
 /* Writes the curve; into a GLB with "frames" also the object that moves along the curve. */
-static bool spline_write(const struct server_query *query, struct server_answer_file *out)
+static bool spline_write(struct server_query *query, struct server_answer_file *out)
 {
     const struct spline_query *own = (const struct spline_query *)query;
     struct server_result_lines lines = {.paths = &own->line.path, .count = 1};
@@ -683,11 +683,9 @@ static void spline_release(struct server_query *query)
     proto_spline_free(&own->wanted);
 }
 
-static const struct server_form spline_forms[] = {SERVER_RESULT_LINE_FORMS, {NULL, NULL, false}};
-
 const struct server_query_kind server_query_spline = {.name = "spline",
                                                       .size = sizeof(struct spline_query),
-                                                      .forms = spline_forms,
+                                                      .forms = server_result_line_forms,
                                                       .decode = spline_decode,
                                                       .solve = spline_solve,
                                                       .encode = spline_encode,

@@ -1,5 +1,6 @@
 /* Answers queries about tangent vectors and straightest geodesics: traces from a point, exp, log
  * and transport. */
+#include "server/query/result.h"
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -331,6 +332,8 @@ static void trace_release(struct server_query *query)
 
 const struct server_query_kind server_query_trace = {.name = "trace",
                                                      .size = sizeof(struct trace_query),
+                                                     .forms = server_result_line_forms,
+                                                     .write = server_result_write_listed,
                                                      .decode = trace_decode,
                                                      .solve = trace_solve,
                                                      .encode = trace_encode,
@@ -339,6 +342,8 @@ const struct server_query_kind server_query_trace = {.name = "trace",
 
 const struct server_query_kind server_query_exp = {.name = "exp",
                                                    .size = sizeof(struct trace_query),
+                                                   .forms = server_result_line_forms,
+                                                   .write = server_result_write_listed,
                                                    .decode = exp_decode,
                                                    .solve = trace_solve,
                                                    .encode = exp_encode,

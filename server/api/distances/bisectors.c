@@ -210,29 +210,16 @@ static void cut_locus_encode(const struct server_query *query, struct proto_writ
     proto_write_object_end(writer);
 }
 
-static bool cut_locus_write(const struct server_query *query, struct server_answer_file *out)
-{
-    const struct lines_query *own = (const struct lines_query *)query;
-    const struct server_result_lines lines = {.paths = own->paths,
-                                              .count = own->found.bisector_count};
-    if (!lines.count)
-        return server_result_refuse_nothing(query->problem,
-                                            "the cut locus has no lines of this angle");
-    return server_result_write_lines(query, &lines, out);
-}
-
-static const struct server_form cut_locus_forms[] = {SERVER_RESULT_LINE_FORMS, {NULL, NULL, false}};
-
 const struct server_query_kind server_query_cut_locus = {.name = "cut-locus",
                                                          .size = sizeof(struct cut_locus_query),
                                                          .own = &cut_locus_tracer,
-                                                         .forms = cut_locus_forms,
+                                                         .forms = server_result_line_forms,
+                                                         .write = server_result_write_listed,
                                                          .has_bare_points = true,
                                                          .decode = cut_locus_decode,
                                                          .parse = cut_locus_parse,
                                                          .answer = cut_locus_answer,
                                                          .encode = cut_locus_encode,
-                                                         .write = cut_locus_write,
                                                          .list_arrays = lines_list_arrays,
                                                          .release = lines_release};
 
@@ -315,6 +302,8 @@ static bool voronoi_list_arrays(struct server_query *query)
 const struct server_query_kind server_query_voronoi = {.name = "voronoi",
                                                        .size = sizeof(struct voronoi_query),
                                                        .own = &voronoi_tracer,
+                                                       .forms = server_result_line_forms,
+                                                       .write = server_result_write_listed,
                                                        .decode = voronoi_decode,
                                                        .answer = voronoi_answer,
                                                        .encode = voronoi_encode,

@@ -261,7 +261,7 @@ static const struct server_form values_forms[] = {{"ply", "application/x-ply", f
                                                   {"csv", "text/csv", false},
                                                   {NULL, NULL, false}};
 
-static bool values_write(const struct server_query *query, struct server_answer_file *out)
+static bool values_write(struct server_query *query, struct server_answer_file *out)
 {
     static const enum gd_result_format formats[] = {GD_RESULT_PLY, GD_RESULT_GLB, GD_RESULT_CSV};
     const struct gd_result result = {.distances = ((const struct values_query *)query)->values};

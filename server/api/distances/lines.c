@@ -319,7 +319,7 @@ static enum server_query_turn isolines_solve(struct server_query *query)
     return own->index ? levels_write(own) : server_field_query_solve(query);
 }
 
-static bool isolines_write(const struct server_query *query, struct server_answer_file *out)
+static bool isolines_write(struct server_query *query, struct server_answer_file *out)
 {
     const struct isolines_query *own = (const struct isolines_query *)query;
     const struct server_result_lines lines = {
@@ -342,11 +342,9 @@ static bool isolines_list_arrays(struct server_query *query)
     return true;
 }
 
-static const struct server_form isolines_forms[] = {SERVER_RESULT_LINE_FORMS, {NULL, NULL, false}};
-
 const struct server_query_kind server_query_isolines = {.name = "isolines",
                                                         .size = sizeof(struct isolines_query),
-                                                        .forms = isolines_forms,
+                                                        .forms = server_result_line_forms,
                                                         .has_bare_points = true,
                                                         .decode = isolines_decode,
                                                         .parse = isolines_parse,

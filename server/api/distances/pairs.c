@@ -221,7 +221,7 @@ static void pair_encode(const struct server_query *query, struct proto_writer *w
     proto_pair_encode(writer, &query->points, &pair->answer, &query->options);
 }
 
-static bool path_write(const struct server_query *query, struct server_answer_file *out)
+static bool path_write(struct server_query *query, struct server_answer_file *out)
 {
     const struct gd_pair_answer *answer = &((const struct pair_query *)query)->answer;
     if (isinf(answer->distance))

@@ -1,5 +1,6 @@
 /* Answers queries for shortest paths on NURBS surfaces between two points, a point and a curve, or
  * two curves. The queries run on a worker. */
+#include "server/query/result.h"
 #include "server/query/handlers.h"
 
 #include "proto/queries/geodesic_like.h"
@@ -233,7 +234,8 @@ static void search_release(struct server_query *query)
 /* --- the three operations --------------------------------------------------------------------- */
 
 #define SEARCH_STEPS                                                                               \
-    .size = sizeof(struct search), .decode = search_decode, .parse = search_parse,                 \
+    .size = sizeof(struct search), .forms = server_result_smooth_line_forms,                       \
+    .write = server_result_write_listed, .decode = search_decode, .parse = search_parse,           \
     .solve = search_solve, .list_arrays = search_list_arrays, .release = search_release
 
 const struct server_query_kind server_query_nurbs_geodesic = {

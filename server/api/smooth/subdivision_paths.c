@@ -1,6 +1,7 @@
 /* Geodesics of a subdivision surface. Computes distance and shortest path between two points on the
  * discretization of a level. Computes traces from a point on a discretization or on the smooth
  * surface. All run on a worker. */
+#include "server/query/result.h"
 #include "server/api/smooth/smooth.h"
 
 #include <math.h>
@@ -134,7 +135,12 @@ static bool path_list_arrays(struct server_query *query)
 const struct server_query_kind server_query_subdivision_distance = {.name = "distance", PAIR_STEPS};
 
 const struct server_query_kind server_query_subdivision_path = {
-    .name = "path", .list_arrays = path_list_arrays, PAIR_STEPS};
+    .name = "path",
+    .forms = server_result_smooth_line_forms,
+    .write = server_result_write_listed,
+    .list_arrays = path_list_arrays,
+    PAIR_STEPS,
+};
 
 /* --- trace ------------------------------------------------------------------------------------ */
 
@@ -191,7 +197,7 @@ static enum gd_status trace_reserve(struct trace *trace)
 {
     struct server_query *query = &trace->query;
     size_t count = trace->wanted.count;
-    if (!server_query_arrays_form(query)) return GD_OK;
+    if (query->form == SERVER_FORM_JSON) return GD_OK;
     trace->first = server_query_allocate(query, count + 1, sizeof *trace->first);
     trace->lengths = server_query_allocate(query, count, sizeof *trace->lengths);
     return trace->first && trace->lengths ? GD_OK : GD_BUDGET;
@@ -429,9 +435,13 @@ static enum server_query_turn trace_solve(struct server_query *query)
     return server_query_end_draft(query, GD_OK, "the trace");
 }
 
-const struct server_query_kind server_query_subdivision_trace = {.name = "trace",
-                                                                 .size = sizeof(struct trace),
-                                                                 .decode = trace_decode,
-                                                                 .solve = trace_solve,
-                                                                 .list_arrays = trace_list_arrays,
-                                                                 .release = trace_release};
+const struct server_query_kind server_query_subdivision_trace = {
+    .name = "trace",
+    .size = sizeof(struct trace),
+    .forms = server_result_smooth_line_forms,
+    .write = server_result_write_listed,
+    .decode = trace_decode,
+    .solve = trace_solve,
+    .list_arrays = trace_list_arrays,
+    .release = trace_release,
+};

@@ -249,19 +249,6 @@ bool server_picture_layers_decode(struct server_picture_layers *layers, struct s
 
 /* --- lines of an answer ----------------------------------------------------------------------- */
 
-/* Copies rows of numbers. */
-static void rows_copy(const struct server_array *array, void *out)
-{
-    size_t row = array->columns * sizeof(double);
-    if (array->read) {
-        array->read(array->source, 0, array->rows, out);
-        return;
-    }
-    for (uint64_t i = 0; i < array->rows; i++)
-        memcpy((char *)out + i * row,
-               (const char *)array->source + i * (array->stride ? array->stride : row), row);
-}
-
 /* Sets the layer's lines from two arrays of the part's answer. */
 static bool lines_take(struct server_picture_layers *layers, struct server_query *query,
                        const struct server_array *points, const struct server_array *first,
@@ -271,7 +258,7 @@ static bool lines_take(struct server_picture_layers *layers, struct server_query
     uint32_t *begin = server_query_allocate(query, first->rows, sizeof *begin);
     if (!positions) return false;
     if (!begin) return server_query_refuse(query, GD_BUDGET, "the figure");
-    rows_copy(points, positions);
+    server_array_copy(points, positions);
     memcpy(begin, first->source, first->rows * sizeof *begin);
     drawn->points = positions;
     drawn->first = begin;
@@ -372,7 +359,7 @@ static bool part_draw(struct server_picture_layers *layers, struct server_query 
     if (wanted->form == PROTO_PICTURE_LAYER_POINTS) {
         const struct server_array *xyz = server_arrays_find(arrays, "xyz");
         struct gd_vec3 *points = server_drawn_points(layers, query, xyz->rows);
-        if (points) rows_copy(xyz, points);
+        if (points) server_array_copy(xyz, points);
         return points && marks_draw(layers, query, i, points, (uint32_t)xyz->rows);
     }
     if (wanted->form == PROTO_PICTURE_LAYER_CUT)
