@@ -12,6 +12,7 @@ any. The rules:
     path      a file or folder that a document or a comment names exists
     subject   the commits of this branch have subjects of the form `area: verb ...`
     spelling  codespell knows no correction (tests/spelling.txt lists the words that are right)
+    conflict  no file has the markers of a merge conflict
 """
 import functools
 import pathlib
@@ -328,6 +329,11 @@ def check_spelling(paths):
     return [line.removeprefix("./") for line in done.stdout.splitlines()]
 
 
+def check_conflicts():
+    marked = run("git", "grep", "-nE", "^(<{7}|>{7}) ").stdout
+    return [f"{line}: resolve the merge conflict" for line in marked.splitlines()]
+
+
 def main(arguments):
     listed = [pathlib.Path(name) for name in run("git", "ls-files", "--", *arguments).stdout.splitlines()]
     paths = [path for path in listed if (path.suffix in TEXT_SUFFIXES or path.name in HASH_NAMES)
@@ -337,7 +343,7 @@ def main(arguments):
     complaints = [complaint for path in paths for complaint in check_file(path)]
     complaints += check_spelling(paths) if paths else []
     if not arguments:
-        complaints += check_commits()
+        complaints += [*check_conflicts(), *check_commits()]
     print(*complaints, sep="\n", end="\n" if complaints else "")
     return 1 if complaints else 0
 
