@@ -563,7 +563,7 @@ export class Client {
   async call(method, path, { query, body, headers = {}, onProgress, signal, repeatable = true } = {}) {
     if (onProgress) return (await (await this.submit(method, path, { query, body, headers, signal })).wait(onProgress, { signal })).response({ signal });
     const sent = { ...this.headers, ...headers };
-    // Within a machine, compression takes longer than the transfer saves.
+    // On one machine, compressing takes longer than sending the uncompressed bytes.
     if (this.#isNear) sent["Accept-Encoding"] ??= "identity";
     if (body !== undefined && !isBytes(body)) {
       body = JSON.stringify(body);

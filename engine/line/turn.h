@@ -39,8 +39,8 @@ struct gd_direction gd__turn_direction(const struct gd_mesh *mesh, const struct 
 
 /* Returns the turn of the direction (x, y) in the frame of `side`. The point must lie in the side's
  * face or on its border. If the direction leads out of the face, it is unfolded into the
- * neighbouring faces. Among the turns that differ by multiples of 2 pi, returns the one nearest to
- * the face. */
+ * neighbouring faces. Of the turns that differ by multiples of 2 pi, returns the one nearest to
+ * those that lead into the face. */
 double gd__turn_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t side,
                         double x, double y);
 
@@ -50,9 +50,9 @@ static inline double gd__turn_nearest(double angle, double extent)
     return remainder(angle - 0.5 * extent, 2 * M_PI) + 0.5 * extent;
 }
 
-/* A ray from (x, y) in the frame of `side`, in the face into which a turn leads. If the ray begins
- * at a vertex, the side begins at this vertex. If the ray begins on an edge, the side is one of the
- * edge's two sides. */
+/* A ray in the face into which a turn leads. `side` is a side of this face. The ray begins at (x,
+ * y) in the frame of `side`. If the ray begins at a vertex, the side begins at this vertex. If the
+ * ray begins on an edge, the side is one of the edge's two sides. */
 struct gd__ray {
     uint32_t side;
     double x, y, dx, dy;

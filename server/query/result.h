@@ -1,5 +1,5 @@
-/* Result: an answer as a file of gd/result_file.h, within the budget. On failure the functions
- * return false with the problem. */
+/* Result: writes an answer as a file in a format of gd/result_file.h. The memory counts against
+ * the budget. On failure the functions return false and set the problem. */
 #ifndef SERVER_QUERY_RESULT_H
 #define SERVER_QUERY_RESULT_H
 
@@ -21,7 +21,8 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
 #define SERVER_RESULT_LINE_FORMS_END (SERVER_FORM_FIRST + 3)
 #define SERVER_RESULT_LINE_FORM_GLB  (SERVER_FORM_FIRST + 1)
 
-/* These forms alone, on meshes and on surfaces without a mesh. */
+/* The forms of queries that have no forms but those of lines: on meshes, and on surfaces without a
+ * mesh. */
 extern const struct server_form server_result_line_forms[], server_result_smooth_line_forms[];
 
 /* Paths, borrowed, at least one. */
@@ -33,14 +34,14 @@ struct server_result_lines {
     uint32_t pose_count;
 };
 
-/* Like server_result_write, for paths, one line each, in the query's form, which must be one of
+/* Like server_result_write, but writes one line for each path. The query's form must be one of
  * SERVER_RESULT_LINE_FORMS. */
 bool server_result_write_lines(const struct server_query *query,
                                const struct server_result_lines *lines,
                                struct server_answer_file *out);
 
-/* Like server_result_write_lines, for lines that the kind lists as the arrays "points" and "first".
- * Surfaces without a mesh have them too. */
+/* Like server_result_write_lines, but the lines are the query's arrays "points" and "first". This
+ * also works on surfaces without a mesh. */
 bool server_result_write_listed(struct server_query *query, struct server_answer_file *out);
 
 /* Writes a path, and the faces that it crosses, unfolded into the plane, as a drawing
@@ -48,7 +49,8 @@ bool server_result_write_listed(struct server_query *query, struct server_answer
 bool server_result_write_strip(const struct server_query *query, const struct gd_path *path,
                                struct server_answer_file *out);
 
-/* Refuses to write an empty file; `why` begins a sentence. */
+/* Sets the problem not_acceptable, because the answer has nothing to draw, and returns false. `why`
+ * is the beginning of the problem's text. */
 bool server_result_refuse_nothing(struct proto_problem *problem, const char *why);
 
 #endif

@@ -20,7 +20,7 @@ end_header
 
 
 def write(vertices: Any, faces: Any) -> bytes:
-    """Returns the PLY file of an array of rows of three coordinates and an array of rows of vertex
+    """Returns a PLY file. `vertices` has rows of three coordinates, `faces` has rows of vertex
     indices. Needs numpy."""
     points, corners = numpy.asarray(vertices), numpy.asarray(faces)
     if points.ndim != 2 or points.shape[1] != 3:

@@ -98,7 +98,10 @@ function enters(corners: Vec3[], [p, q]: Segment): boolean {
   return high - low > SLACK;
 }
 
-/** Returns the part of a convex polygon at whose corners `sides` is not negative. */
+/**
+ * Returns the part of a convex polygon on one side of a line. `sides` has the signed distance of
+ * each corner from the line; the part where it is not negative is returned.
+ */
 function half(corners: Vec3[], sides: number[]): Vec3[] {
   return corners.flatMap((corner, i) => {
     const next = (i + 1) % corners.length;

@@ -69,8 +69,8 @@ static size_t found_bytes(const struct gd_geodesics *found)
     return bytes;
 }
 
-/* Makes a curve of the request on the surface. Checks the control afterwards, because a long curve
- * takes tens of milliseconds. */
+/* Creates on the surface a curve that the request describes. Checks the control afterwards,
+ * because a long curve takes tens of milliseconds. */
 static bool search_locate_curve(struct search *search, const struct proto_domain_curve *curve,
                                 const struct gd_control *control, struct gd_domain_curve **out)
 {
@@ -147,7 +147,8 @@ static bool search_lists(const struct search *search, uint32_t i)
     return i == 0 || (search->wanted.options.all_minima && search->found.items[i].is_minimum);
 }
 
-/* Allocates the arrays, with the first rows filled in. Returns NULL if out of memory. */
+/* Allocates the arrays and fills in the counts of rows before each path. Returns NULL if out of
+ * memory. */
 static struct path_arrays *path_arrays_reserve(struct search *search)
 {
     struct server_query *query = &search->query;

@@ -41,7 +41,8 @@ def source_name(target):
 
 
 def page_address(target):
-    """The address on the daemon of a linked document or drawing; None: a file of the source."""
+    """Returns the address on the daemon of a linked document, or None if the link leads to another
+    file of the source."""
     name, _, anchor = target.partition("#")
     if name == "README.md":
         return "/docs"
@@ -51,7 +52,8 @@ def page_address(target):
 
 
 def link(match):
-    """Links documents as pages. Names files of the source, which the daemon does not serve."""
+    """Turns links to documents into links to their pages. Replaces links to files of the source by
+    the paths of these files, because the daemon does not serve them."""
     target, text = match.group(1), match.group(2)
     if re.match(r"[a-z]+:|/|#", target):
         return match.group()
