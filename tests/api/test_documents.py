@@ -1,10 +1,14 @@
 """The documents: their commands run, their links resolve, and their tables match the daemon."""
 import html.parser
+import importlib.util
 import os
 import pathlib
 import re
+import shutil
 import subprocess
+import sys
 import tempfile
+import textwrap
 import unittest
 
 from harness import PROGRAM, Daemon, TestCase
@@ -63,6 +67,44 @@ class Readme(TestCase):
         for document in DOCUMENTS:
             for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text_of(document)):
                 self.assertTrue((ROOT / document).parent.joinpath(link).exists(), f"{document}: {link}")
+
+
+class ClientPages(TestCase):
+    """The examples of the clients' pages run, in the order of the page."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.bunny = subprocess.run([PROGRAM.parent / "gd_sample", "icosphere", "level=5"], check=True, stdout=subprocess.PIPE).stdout
+
+    def examples(self, language):
+        page = {"python": "clients/python/README.md", "js": "clients/js/README.md"}[language]
+        return re.findall(rf"^```{language}\n(.*?)^```", text_of(page), re.DOTALL | re.MULTILINE)
+
+    def run_example(self, command, example, name):
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "bunny.obj").write_bytes(self.bunny)
+            pathlib.Path(folder, name).write_text(example, encoding="utf-8")
+            environment = {**os.environ, "GEODESICD_URL": "http://" + self.daemon.address, "PYTHONPATH": str(ROOT / "clients/python")}
+            done = subprocess.run([*command, name], cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                  text=True, timeout=120)
+            self.assertEqual(done.returncode, 0, done.stdout)
+
+    @unittest.skipUnless(importlib.util.find_spec("numpy"), "needs numpy")
+    def test_python(self):
+        basic, arrays, asynchronous, batch = self.examples("python")
+        given = "import asyncio, numpy\nV, F = bunny.arrays()\nstarts, ends = numpy.arange(10), numpy.arange(10, 20)\n"
+        coroutine = "async def calls():\n" + textwrap.indent(asynchronous, "    ") + "asyncio.run(calls())\n"
+        self.run_example([sys.executable], basic + given + arrays + coroutine + batch, "example.py")
+
+    @unittest.skipUnless(shutil.which("node"), "needs node")
+    def test_javascript(self):
+        basic, arrays, batch = [each for each in self.examples("js") if "canvas" not in each]
+        arrays = arrays.replace("0, …", "0, 1, 0, 0, 0, 1, 0").replace("2, …", "2")
+        given = ('import { readFile } from "node:fs/promises";\n'
+                 "const starts = Uint32Array.of(0, 1), ends = Uint32Array.of(2, 3);\n")
+        module = (given + basic + arrays + batch).replace('"geodesicd"', repr((ROOT / "clients/js/index.js").as_uri()))
+        self.run_example(["node"], module.replace("http://127.0.0.1:8080", "http://" + self.daemon.address), "example.mjs")
 
 
 class Page(html.parser.HTMLParser):
