@@ -56,8 +56,6 @@ static void write_surfaces(struct server *server, struct proto_writer *writer)
         {"cache_hits_total", "Look-ups that found a field of the source.", (double)cache.hits},
         {"cache_misses_total", "Look-ups that found no field.", (double)cache.misses},
         {"cache_builds_total", "Builds of fields that were begun.", (double)cache.builds},
-        {"cache_resumed_total", "Builds of fields that resumed a cached field of smaller reach.",
-         (double)cache.resumed},
         {"cache_waits_total", "Requests that waited for a field that another request was building.",
          (double)cache.waits},
         {"cache_evictions_total", "Fields evicted to free memory.", (double)cache.evictions},

@@ -138,11 +138,8 @@
  * much. More is an error. */
 #define GD_TOL_INPUT 1e-9
 
-/* A field with a reach below this part of the longest edge is not resumed but rebuilt from the
- * seeds. A field of a graded mesh is not resumed either. A mesh is graded if its shortest edge is
- * less than GD_TOL_GRADED of the longest one. */
-#define GD_TOL_COARSE_REACH 1e-3
-#define GD_TOL_GRADED       1e-6
+/* A mesh is graded if its shortest edge is less than this part of the longest one. */
+#define GD_TOL_GRADED 1e-6
 
 /* Wedges are packed if the shortest edge is at least this long, in the normalised unit. Packed
  * coordinates have an absolute precision of 2^-115. For sources within GD_TOL_ON_BORDER of an edge

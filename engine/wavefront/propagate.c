@@ -53,7 +53,7 @@ static enum gd_status store_chunk(struct gd__wavefront *front, uint32_t side,
 void gd__store_window(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
 {
     struct gd__window_builder *one = &front->work->scratch.tail;
-    if (front->status || front->paged || front->inner > 0) return;
+    if (front->status || front->paged) return;
     front->status = gd__window_builder_reserve(one, 1);
     if (front->status) return;
     struct gd__list *list = gd__wavefront_list(front, side);
@@ -114,8 +114,10 @@ static inline void offer_bend(struct gd__apex *apex, const struct gd_side *s,
     apex->source = GD_NONE;
 }
 
-void gd__cast(struct gd__wavefront *front, const struct gd__receiver *at,
-              const struct gd__windows *windows, uint32_t count)
+/* Casts windows of a side across its face. Offers distances to the apex and windows to the other
+ * two sides. */
+static void cast_windows(struct gd__wavefront *front, const struct gd__receiver *at,
+                         const struct gd__windows *windows, uint32_t count)
 {
     uint32_t side = at->side;
     const struct gd_side *s = &front->mesh->side[side];
@@ -224,6 +226,6 @@ void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
     if (front->bound < GD__FAR && !front->guide)
         count = front->kernel->within(&windows, count, front->bound);
     if (!front->status && count && !gd__side_is_boundary(front->mesh, side))
-        gd__cast(front, &at, &windows, count);
+        cast_windows(front, &at, &windows, count);
     gd__pool_release(&front->work->pool, block, size_class);
 }

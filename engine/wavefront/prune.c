@@ -15,8 +15,11 @@
 
 #define NARROW (4 * GD__WEDGE_UNIT)
 
-void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chunk *chunk,
-                        uint32_t side, bool own, struct gd__stack *out)
+/* Appends the wedges of a chunk to `out`, which must have room, as sorted windows in the frame of
+ * `side`. Selects the wedges that came from windows of `side` (`own`) or of the other side. Skips a
+ * wedge if the distance of its source has decreased since the wedge was stored. */
+static void stored_windows(const struct gd__wavefront *front, const struct gd__chunk *chunk,
+                           uint32_t side, bool own, struct gd__stack *out)
 {
     double length = front->mesh->side[side].length;
     struct gd__wedges wedges = gd__chunk_wedges(chunk);
@@ -68,7 +71,7 @@ static enum gd_status cut_by_chunk(const struct gd__wavefront *front, const stru
     if (status) return status;
     uint32_t first = 0;
     stored->count = out->count = 0;
-    gd__stored_windows(front, chunk, side, own, stored);
+    stored_windows(front, chunk, side, own, stored);
     for (uint32_t i = 0; i < list->count; i++)
         cut_window(&list->windows[i], stored, own, NARROW * front->mesh->side[side].length, &first,
                    out);

@@ -5,9 +5,6 @@
 
 #define MASK     (GD__QUEUE_BUCKETS - 1)
 #define SMALLEST 256 /* smallest capacity of a bucket's array */
-/* Number of buckets for keys smaller than the key of gd__queue_begin. They span some edge
- * lengths. */
-#define BEFORE 16
 
 struct gd__queue *gd__queue_create(void)
 {
@@ -42,12 +39,6 @@ void gd__queue_clear(struct gd__queue *queue)
 void gd__queue_set_width(struct gd__queue *queue, double bucket_width)
 {
     queue->buckets_per_length = 1 / bucket_width;
-}
-
-void gd__queue_begin(struct gd__queue *queue, double key)
-{
-    uint32_t number = gd__queue_number(queue, key);
-    queue->current = number > BEFORE ? number - BEFORE : 0;
 }
 
 static bool make_room(struct gd__queue *queue, struct gd__bucket *bucket)

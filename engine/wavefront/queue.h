@@ -43,10 +43,6 @@ void gd__queue_clear(struct gd__queue *queue);
 /* Sets the width of buckets, > 0. The queue must be empty. */
 void gd__queue_set_width(struct gd__queue *queue, double bucket_width);
 
-/* Makes the empty queue begin near `key`. If the ring of buckets began at zero, large keys might be
- * beyond its end. Later keys may be smaller than `key` by a few edge lengths only. */
-void gd__queue_begin(struct gd__queue *queue, double key);
-
 /* Returns the bucket number of a key. A negative key, which is due to rounding, goes to the first
  * bucket. */
 static inline uint32_t gd__queue_number(const struct gd__queue *queue, double key)

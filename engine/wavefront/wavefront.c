@@ -128,7 +128,6 @@ static inline bool keep_wanted(struct gd__wavefront *front, const struct gd__rec
                                                 front->bound - to->l0, front->bound - to->l1);
     else if (front->bound < GD__FAR)
         children->count = front->kernel->within(&children->at, children->count, front->bound);
-    if (front->inner > 0) gd__keep_beyond(front, to->side, children);
     return children->count && !front->status;
 }
 
@@ -254,8 +253,8 @@ static enum gd_status wavefront_open(struct gd__wavefront *front,
     front->work_limit = propagation->work_limit ? propagation->work_limit : work_limit(front->mesh);
     front->narrowest = front->seed_count > 1 ? GD_TOL_NARROW : GD_TOL_WIDTH;
     front->bound = propagation->radius;
-    front->takes_all = !front->guide && !front->paged && !propagation->partial &&
-                       !propagation->target && propagation->radius >= GD__FAR;
+    front->takes_all =
+        !front->guide && !front->paged && !propagation->target && propagation->radius >= GD__FAR;
     set_target(front, propagation->target);
     return status;
 }
@@ -398,10 +397,7 @@ static enum gd_status wavefront_propagate(struct gd__wavefront *front,
 {
     enum gd_status status = wavefront_open(front, propagation);
     if (status) return status;
-    if (propagation->partial)
-        gd__resume(front, propagation->partial);
-    else
-        gd__emit_seeds(front);
+    gd__emit_seeds(front);
     wavefront_advance(front);
     return front->status;
 }

@@ -47,31 +47,17 @@ struct gd__variant {
 #endif
 };
 
-/* State of an earlier propagation of the same seeds that ended at a bound. The arrays are those of
- * a partial field and have the mesh's sizes. */
-struct gd__partial_state {
-    double bound; /* distances up to this one are final; normalised unit, below GD__FAR */
-    const double *distance;
-    const struct gd__predecessor *predecessor;
-    const uint32_t *newest;
-    const char *wedges;
-    size_t wedge_bytes;
-    uint64_t wedge_count;
-};
-
 /* Input of a propagation. All pointers are borrowed. */
 struct gd__propagation {
     const struct gd__seed *seeds;
     uint32_t seed_count;
-    /* State to continue; `radius` exceeds the bound of this state. NULL: start from the seeds. */
-    const struct gd__partial_state *partial;
     double radius;                 /* normalised unit; GD__FAR means no limit */
     const struct gd_point *target; /* NULL means no target */
     /* Bounds for one target. With a guide, only the target's distance and path are final. NULL
        means no guide. */
     struct gd__guide *guide;
     /* Computes distances only, in little memory: the sink reads front->distance. Wedges are stored
-     * for gd__prune_by_stored only. Requires no guide and no `partial`. */
+     * for gd__prune_by_stored only. Requires no guide. */
     bool without_wedges;
     /* Limit on windows; 0 means the default limit of the mesh, far above the windows of any real
        mesh. */
@@ -115,9 +101,6 @@ struct gd__wavefront {
     /* Windows and distances beyond this bound are not needed. It shrinks with the target's
      * distance. */
     double bound;
-    /* During gd__resume: windows whose distances are certainly within this one are not needed
-       again. 0 means that all windows are needed. */
-    double inner;
     bool takes_all;            /* true if lists accept windows at any distance */
     uint32_t target_corner[4]; /* vertices of the target's faces, padded by GD_NONE */
     double target_leg[4];      /* distances of these vertices from the target within the face */
@@ -291,25 +274,6 @@ void gd__store_window(struct gd__wavefront *front, uint32_t side, const struct g
 
 /* propagate.c: stores the waiting windows of a side as wedges and casts them across its face. */
 void gd__propagate_side(struct gd__wavefront *front, uint32_t side);
-
-/* propagate.c: casts windows of a side across its face. Offers distances to the apex and windows to
- * the other two sides. */
-void gd__cast(struct gd__wavefront *front, const struct gd__receiver *at,
-              const struct gd__windows *windows, uint32_t count);
-
-/* resume.c: copies the state and queues all windows and vertices that are needed for the larger
- * bound. The wavefront must be open, and must not have run yet. */
-void gd__resume(struct gd__wavefront *front, const struct gd__partial_state *partial);
-
-/* resume.c: drops the offered windows whose distances are certainly within `front->inner`. */
-void gd__keep_beyond(const struct gd__wavefront *front, uint32_t side,
-                     struct gd__children *windows);
-
-/* prune.c: appends the wedges of a chunk to `out`, which must have room, as sorted windows in the
- * frame of `side`. Selects the wedges that came from windows of `side` (`own`) or of the other
- * side. Skips a wedge if the distance of its source has decreased since the wedge was stored. */
-void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chunk *chunk,
-                        uint32_t side, bool own, struct gd__stack *out);
 
 /* The stored wedges that prune the windows of a side. OWN: those of the side itself, which win
  * ties. OTHER: those of the edge's other side, which lose ties. */

@@ -435,23 +435,19 @@ void server_cache_note(struct server_mesh_cache *fields, const struct gd_point *
     server_hot_points_note(&fields->hot_points, key.hash);
 }
 
-/* Considers the builds of these seeds that reach at most as far as `key`. Returns the build with
- * the largest reach, or NULL. Called under the lock. */
+/* Returns the build of these seeds and this reach, or NULL. Called under the lock. */
 static struct server_pending_build *pending_find(const struct server_mesh_cache *fields,
                                                  const struct field_key *key)
 {
-    struct server_pending_build *build, *found = NULL;
+    struct server_pending_build *build;
     LIST_FOREACH(build, &fields->cache->builds, next)
-    {
-        if (build->fields != fields || !key_equal(&build->key, key)) continue;
-        if (!key_covers(key, &build->key)) continue;
-        if (!found || key_covers(&build->key, &found->key)) found = build;
-    }
-    return found;
+    if (build->fields == fields && key_equal(&build->key, key) && build->key.radius == key->radius)
+        break;
+    return build;
 }
 
-/* Under the lock. Returns AGAIN if the field exists. Returns WAIT if this field is being built, or
- * a field from which it can be resumed. Otherwise returns BUILD if `may_build` and memory suffices,
+/* Under the lock. Returns AGAIN if the field exists. Returns WAIT if this field is being built.
+ * Otherwise returns BUILD if `may_build` and memory suffices,
  * else SEARCH. After a cancel of the workers returns SEARCH instead of WAIT. */
 static enum server_cache_turn build_claim(struct server_mesh_cache *fields,
                                           const struct field_key *key, struct server_job *job,
@@ -505,16 +501,6 @@ enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
            : server_workers_cancelled(fields->cache->workers) ? GD_CANCELLED
                                                               : GD_NO_MEMORY;
     return turn;
-}
-
-const struct server_cached *server_cache_find_nearer(struct server_pending_build *build)
-{
-    struct server_cache *cache = build->fields->cache;
-    SERVER_LOCK(&cache->lock);
-    struct entry *entry = table_find(build->fields, &build->key);
-    if (entry && key_covers(&entry->key, &build->key)) entry = NULL;
-    cache->statistics.resumed += entry != NULL;
-    return entry_pin(entry);
 }
 
 bool server_cache_is_awaited(struct server_pending_build *build)

@@ -13,10 +13,10 @@
  *
  * DESIGN. A surface owns a *mesh cache*. The *seeds* of a field are its sources. Its *reach* is the
  * distance up to which it is computed. If several fields have equal seeds, the mesh cache keeps the
- * field of the largest reach. A build of larger reach resumes that field and replaces it. A
+ * field of the largest reach. A field of larger reach replaces it. A
  * *pending build* has one builder. Other jobs are parked at the build (workers.h) until it ends,
- * and then look up the field again. A request of smaller reach does not wait, because its own field
- * may take much less time.
+ * and then look up the field again. A request of another reach does not wait: a field of smaller
+ * reach may take much less time, and one of larger reach needs another build.
  *
  * A field is built when a request claims it. For queries of pairs, the field of a point is built
  * after SERVER_CACHE_SEARCHES queries of that point (hot_points.h). A field costs as much as 10 to
@@ -115,9 +115,6 @@ enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
                                           struct server_job *job,
                                           struct server_pending_build **build, enum gd_status *why);
 
-/* Pins and returns a field from which this build can be resumed, or NULL if there is none. */
-const struct server_cached *server_cache_find_nearer(struct server_pending_build *build);
-
 /* Returns true if jobs are parked at the build. The build must then continue even if its client has
  * disconnected. */
 bool server_cache_is_awaited(struct server_pending_build *build);
@@ -136,7 +133,7 @@ void server_cache_fail(struct server_pending_build *build, enum gd_status status
 void server_cache_abandon(struct server_pending_build *build);
 
 struct server_cache_statistics {
-    uint64_t hits, misses, builds, resumed, waits, evictions, fields;
+    uint64_t hits, misses, builds, waits, evictions, fields;
 };
 struct server_cache_statistics server_cache_statistics(struct server_cache *cache);
 

@@ -132,10 +132,9 @@ size_t server_field_build_grant(const struct gd_mesh *mesh)
     return BYTES_A_CALL + (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE;
 }
 
-/* Builds the field, or resumes `nearer` if that is not NULL. Counts the propagated windows; for a
- * resumed field, only the additional windows. */
+/* Builds the field and counts its propagated windows. */
 static enum gd_status field_make(struct server_query *query, struct server_monitor *part,
-                                 const struct gd_field *nearer, struct gd_field **out)
+                                 struct gd_field **out)
 {
     struct server_host *host = part->exchange->host;
     const struct gd_mesh *mesh = query->surface->mesh;
@@ -144,32 +143,23 @@ static enum gd_status field_make(struct server_query *query, struct server_monit
                                         .control = server_exchange_control(part),
                                         .grant = server_field_build_grant(mesh)};
     while (server_budgeted_call_next(&call)) {
-        call.status = nearer ? gd_field_resume(nearer, request->radius, &call.control, out, NULL)
-                             : gd_field_build(mesh, request, &call.control, out, NULL);
+        call.status = gd_field_build(mesh, request, &call.control, out, NULL);
         if (!call.status) call.kept = gd_field_memsize(*out);
     }
     if (call.status) return call.status;
-    uint64_t all = gd_field_statistics(*out)->windows_propagated;
-    uint64_t before = nearer ? gd_field_statistics(nearer)->windows_propagated : 0;
-    server_metrics_count_windows(host->metrics, all > before ? all - before : 0);
+    server_metrics_count_windows(host->metrics, gd_field_statistics(*out)->windows_propagated);
     return GD_OK;
 }
 
-/* Resumes the cached field of smaller reach, if there is one. If memory does not suffice for two
- * fields, or rounding errors make the resumed field wrong, builds the field from its seeds. */
 enum gd_status server_query_build_field(struct server_query *query, struct server_monitor part,
                                         const struct server_cached **out)
 {
     struct server_pending_build *pending = query->field.build;
-    const struct server_cached *nearer = server_cache_find_nearer(pending);
     struct gd_field *field;
     part.build = pending;
     part.is_awaited = server_cache_is_awaited;
     query->field.build = NULL;
-    enum gd_status status = field_make(query, &part, nearer ? nearer->field : NULL, &field);
-    server_cache_unpin(nearer);
-    if (nearer && (status == GD_BUDGET || status == GD_INTERNAL))
-        status = field_make(query, &part, NULL, &field);
+    enum gd_status status = field_make(query, &part, &field);
     *out = NULL;
     if (status == GD_DEADLINE && gd_now_ns() < query->exchange->job.deadline_ns) {
         server_cache_abandon(pending);

@@ -302,9 +302,8 @@ bool server_query_locate_set(struct server_query *query, struct server_monitor *
 size_t server_field_build_grant(const struct gd_mesh *mesh);
 
 /* Builds the field of query->field.request, and publishes it as the result of query->field.build.
- * The pending build ends in any case. If the cache has a field of these seeds with a smaller reach,
- * that field is resumed. `*out` is pinned. Errors: those of gd_field_build; GD_BUDGET (memory is
- * short, or the time limit of `part` was reached). */
+ * The pending build ends in any case. `*out` is pinned. Errors: those of gd_field_build; GD_BUDGET
+ * (memory is short, or the time limit of `part` was reached). */
 GD_MUST_USE enum gd_status server_query_build_field(struct server_query *query,
                                                     struct server_monitor part,
                                                     const struct server_cached **out);

@@ -25,7 +25,6 @@ int bench_nurbs(char **arguments);
 int bench_trace(char **arguments);
 int bench_limit(char **arguments);
 int bench_spline(char **arguments);
-int bench_resume(char **arguments);
 int bench_curve(char **arguments);
 int bench_peer(char **arguments);
 int bench_export(char **arguments);

@@ -41,8 +41,6 @@ static const struct {
      bench_limit},
     {"curve", "[OPTION...] MESH...",
      "fields of a curve of a thousand segments: seeding them, and all of it", bench_curve},
-    {"resume", "[OPTION...] MESH...",
-     "fields that reach farther: resumed against built from nothing", bench_resume},
     {"nurbs", "[--runs N] [--samples N]",
      "shortest paths between curves of smooth surfaces, and the sampling that their paper starts "
      "from",

@@ -37,7 +37,7 @@ SMALL = [
 LARGE = 200_000  # meshes with at least this number of faces are measured with fewer repetitions
 
 # subcommand: repetitions, repetitions on large meshes
-RUNS = {"field": (20, 5), "pair": (50, 11), "warm": (5, 2), "locate": (5, 2), "load": (7, 5), "curve": (5, 2), "resume": (3, 1), "trace": (2, 1)}
+RUNS = {"field": (20, 5), "pair": (50, 11), "warm": (5, 2), "locate": (5, 2), "load": (7, 5), "curve": (5, 2), "trace": (2, 1)}
 
 PROMISED = {
     "field": ["mesh", "vertices", "field_ms", "field_ms_p95", "field_cpu_ms", "first_ms", "windows_created", "windows_propagated",
@@ -47,7 +47,6 @@ PROMISED = {
     "locate": ["mesh", "nearest_per_s", "nearest_on_surface_per_s", "rays_per_s"],
     "load": ["mesh", "read_ms", "parse_ms", "build_ms", "load_ms", "peak_bytes"],
     "curve": ["mesh", "segments", "seeding_cpu_ms", "curve_field_cpu_ms", "point_field_cpu_ms", "seeding_part", "peak_bytes"],
-    "resume": ["mesh", "first_cpu_ms", "R_to_2R", "2R_to_all", "R_to_all", "peak_bytes"],
     "trace": ["mesh", "crossings_per_s", "log_map_ms", "mean_of_4_ms", "peak_bytes"],
 }
 
@@ -78,8 +77,6 @@ QUESTIONS = [
     ("rays k/s", "locate", "rays_per_s", 1e3),
     ("curve cpu ms", "curve", "curve_field_cpu_ms", 1),
     ("seeding %", "curve", "seeding_part", 1e-2),
-    ("resumed cpu ms", "resume", "2R_to_all resumed_cpu_ms", 1),
-    ("or built", "resume", "2R_to_all built_cpu_ms", 1),
     ("traced M/s", "trace", "crossings_per_s", 1e6),
     ("log ms", "trace", "log_map_ms", 1),
     ("mean ms", "trace", "mean_of_4_ms", 1),

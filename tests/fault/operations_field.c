@@ -1,4 +1,4 @@
-/* Fields: built, resumed, stored, queried. */
+/* Fields: built, stored, queried. */
 #include "tests/fault/operations.h"
 
 #include <stdlib.h>
@@ -235,12 +235,6 @@ static enum gd_status build_distances(void *out)
         mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = SEEDS}, NULL, out, NULL);
 }
 
-static enum gd_status resume(void *out)
-{
-    struct gd_detail detail = {0};
-    return gd_field_resume(partial, 0.5, NULL, out, &detail);
-}
-
 static enum gd_status within(void *out)
 {
     return gd_field_within(field, 0.3, out);
@@ -313,7 +307,6 @@ static const struct operation items[] = {
     {"field in a workspace", &a_field, build_in_workspace, GD_OK, trim},
     {"field from spare memory", &a_field, build_from_spares, GD_OK, NULL},
     {"distances without a field", &at_vertices, build_distances, GD_OK, NULL},
-    {"field resumed", &a_field, resume, GD_OK, NULL},
     {"field within a radius", &a_field, within, GD_OK, NULL},
     {"field from an image", &a_field, open_image, GD_OK, NULL},
     {"distances at points", &at_places, many_distances, GD_OK, NULL},

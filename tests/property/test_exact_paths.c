@@ -135,18 +135,11 @@ static void by_search(struct lanes *lanes, const struct gd_point *from, const st
 static void by_partial_fields(struct lanes *lanes, const struct gd_point *from,
                               const struct gd_point *to)
 {
-    double distance = NAN, known = lanes->count ? lanes->distance[0] : 0;
-    struct gd_field *aimed = field_from(&lanes->unit, from, 0, to),
-                    *partial = field_from(&lanes->unit, from, 0.5 * known + 1e-300, NULL),
-                    *resumed = NULL;
+    double distance = NAN;
+    struct gd_field *aimed = field_from(&lanes->unit, from, 0, to);
     if (aimed)
         add(lanes, "gd_field_distance, target", gd_field_distance(aimed, to, &distance), &distance);
-    enum gd_status status = partial ? gd_field_resume(partial, 0, NULL, &resumed, NULL) : GD_OK;
-    if (resumed) status = gd_field_distance(resumed, to, &distance);
-    if (partial) add(lanes, "gd_field_resume", status, &distance);
     gd_field_release(aimed);
-    gd_field_release(partial);
-    gd_field_release(resumed);
 }
 
 static void by_field(struct lanes *lanes, const struct gd_point *from, const struct gd_point *to)

@@ -65,19 +65,6 @@ GD_MUST_USE enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
                                                    const struct gd_control *control, double *out,
                                                    struct gd_detail *detail);
 
-/* Extends a partial field to `radius` (0 means no limit): copies the wedges of `partial` and
- * propagates beyond its reach. `partial` does not change. The distances equal those of a field
- * built for the radius, up to rounding. The statistics count the work for `partial` and for the
- * extension. `control` and `detail` may be NULL. If the reach is below 1e-3 of the longest edge, or
- * the shortest edge is below 1e-6 of the longest, the function builds the field from the seeds
- * instead, which is more accurate. The caller owns one reference of `*out`. Errors:
- * GD_INVALID_ARGUMENT (the radius is negative or not a number, `partial` already reaches that far,
- * or `partial` comes from a damaged image), and those of gd_field_build except for the request.
- * Cost: a copy of `partial`, and the propagation beyond it. Thread-safe. */
-GD_MUST_USE enum gd_status gd_field_resume(const struct gd_field *partial, double radius,
-                                           const struct gd_control *control, struct gd_field **out,
-                                           struct gd_detail *detail);
-
 /* Creates a view of a field with the smaller reach `radius` > 0: points that are farther away are
  * beyond the reach of the view. The view shares the arrays of `field`, keeps `field` alive, and
  * reports the size of `field`. If `field` reaches no farther than `radius`, the result is `field`

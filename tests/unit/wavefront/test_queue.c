@@ -112,21 +112,6 @@ static void takes_any_key(void **state)
     }
 }
 
-/* A queue may begin at a large key. It then keeps the exact order of keys near its begin, also of
- * slightly smaller ones. In a queue that begins at zero these keys would be beyond the ring. */
-static void a_queue_can_begin_near_its_keys(void **state)
-{
-    (void)state;
-    double far = 2.0 * GD__QUEUE_BUCKETS;
-    gd__queue_begin(queue, far);
-    push(1, far + 3);
-    push(2, far + 1);
-    push(3, far - 2);
-    push(4, far);
-    static const uint32_t order[] = {3, 4, 2, 1, GD_NONE};
-    for (int i = 0; i < 5; i++) assert_int_equal(pop(), order[i]);
-}
-
 /* The size of a bucket that is filled while being emptied depends on its waiting entries only. */
 static void a_bucket_filled_while_emptied_stays_small(void **state)
 {
@@ -216,7 +201,6 @@ int main(void)
         WITH_QUEUE(deletes_lazily),
         WITH_QUEUE(a_stale_entry_does_not_pop_twice),
         WITH_QUEUE(takes_any_key),
-        WITH_QUEUE(a_queue_can_begin_near_its_keys),
         WITH_QUEUE(a_bucket_filled_while_emptied_stays_small),
         WITH_QUEUE(peeks_at_what_comes_next),
         WITH_QUEUE(keeps_every_node_once),

@@ -56,57 +56,29 @@ static void a_pinned_field_outlives_its_successor(void **state)
     assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS], 0);
 }
 
-static void a_build_finds_a_field_to_resume_from(void **state)
-{
-    struct fixture *fixture = *state;
-    struct set set;
-    struct server_pending_build *first = claim(fixture, make_set(fixture, &set, 0, 0.5));
-    assert_null(server_cache_find_nearer(first));
-    publish_set(fixture, first, &set.request);
-    struct server_pending_build *farther = claim(fixture, make_set(fixture, &set, 0, 1));
-    const struct server_cached *nearer = server_cache_find_nearer(farther);
-    assert_non_null(nearer);
-    struct gd_field *field;
-    assert_int_equal(gd_field_resume(nearer->field, 1, NULL, &field, NULL), GD_OK);
-    server_cache_unpin(nearer);
-    assert_true(
-        server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
-    server_cache_unpin(server_cache_publish(farther, field));
-    assert_true(fabs(reach_found(fixture, 0.5) - 1) < 1e-15);
-    assert_int_equal(server_cache_statistics(fixture->cache).resumed, 1);
-    assert_int_equal(server_cache_statistics(fixture->cache).builds, 2);
-}
-
-/* A request whose reach exceeds the cached field's waits for the pending build; a request with a
- * smaller reach does not. A field that is published late is dropped if the cached field reaches at
- * least as far. */
+/* A request waits for the pending build of its own reach; a request of a smaller or larger reach
+ * does not. A field that is published late is dropped if the cached field reaches at least as
+ * far. */
 static void builds_of_the_same_seeds(void **state)
 {
     struct fixture *fixture = *state;
     struct set near, middle, far;
     struct server_pending_build *build = claim(fixture, make_set(fixture, &middle, 0, 0.5)),
                                 *none = NULL;
-    struct test_job same, more;
+    struct test_job same;
     enum gd_status why;
     test_job_init(&same, NULL);
-    test_job_init(&more, NULL);
     make_set(fixture, &far, 0, 1);
     assert_int_equal(server_cache_claim(fixture->fields, &middle.request, &same.job, &none, &why),
                      SERVER_CACHE_WAIT);
-    assert_int_equal(server_cache_claim(fixture->fields, &far.request, &more.job, &none, &why),
-                     SERVER_CACHE_WAIT);
-    struct server_pending_build *short_flight = claim(fixture, make_set(fixture, &near, 0, 0.25));
+    struct server_pending_build *short_flight = claim(fixture, make_set(fixture, &near, 0, 0.25)),
+                                *long_flight = claim(fixture, &far.request);
     publish_set(fixture, build, &middle.request);
     sem_wait(&same.done);
-    sem_wait(&more.done);
     publish_set(fixture, short_flight, &near.request);
     assert_true(fabs(reach_found(fixture, 0.25) - 0.5) < 1e-15);
     assert_int_equal(server_mesh_cache_count(fixture->fields), 1);
-    struct server_pending_build *resumed = claim(fixture, &far.request);
-    const struct server_cached *nearer = server_cache_find_nearer(resumed);
-    assert_non_null(nearer);
-    server_cache_unpin(nearer);
-    server_cache_fail(resumed, GD_CANCELLED);
+    server_cache_fail(long_flight, GD_CANCELLED);
 }
 
 /* A failure for a radius also holds for larger radii, but not for smaller ones. */
@@ -161,9 +133,11 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(the_field_of_largest_reach_answers_all),  TEST(a_pinned_field_outlives_its_successor),
-        TEST(a_build_finds_a_field_to_resume_from),    TEST(builds_of_the_same_seeds),
-        TEST(failures_hold_for_larger_reaches),        TEST(drop_removes_exactly_this_reach),
+        TEST(the_field_of_largest_reach_answers_all),
+        TEST(a_pinned_field_outlives_its_successor),
+        TEST(builds_of_the_same_seeds),
+        TEST(failures_hold_for_larger_reaches),
+        TEST(drop_removes_exactly_this_reach),
         TEST(a_near_field_keeps_the_count_of_queries),
     };
 #undef TEST
