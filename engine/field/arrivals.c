@@ -58,12 +58,9 @@ static enum gd_status add_face(struct arrivals *arrivals, uint32_t face, int k, 
                                double extent)
 {
     struct gd__sources *sources = &arrivals->sources;
-    double weight[3];
     enum gd_status status = gd__sources_gather(arrivals->field, face, GD__FAR, sources);
     if (status) return status;
-    gd__point_weights(arrivals->field->mesh, arrivals->point, face, weight);
-    struct gd__local at = gd__face_local(arrivals->field->mesh,
-                                         arrivals->field->mesh->face_side[face][0], weight),
+    struct gd__local at = gd__point_local(arrivals->field->mesh, face, arrivals->point),
                      zero = sources->frame.along[k];
     double slack = gd__stored_slack(sources->frame.size);
     for (uint32_t i = 0; i < sources->count && !status; i++) {

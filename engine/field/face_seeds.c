@@ -5,14 +5,7 @@
 #include "mesh/segment.h"
 #include "base/prefetch.h"
 
-enum {
-    DIGIT_BITS = 8,
-    DIGIT = 1 << DIGIT_BITS,
-    FEW = 32 /* up to this number, entries are sorted in place */,
-    SEEDS_AHEAD = 24
-};
-
-/* --- by face ---------------------------------------------------------------------------------- */
+enum { SEEDS_AHEAD = 24 };
 
 /* Finds the edge or the face whose interior contains a seed; both are GD_NONE for a seed at a
  * vertex. Returns false if the seed is a segment that no face contains. */
@@ -25,81 +18,12 @@ static bool home_of(const struct gd_mesh *mesh, const struct gd__seed *seed,
     return true;
 }
 
-static void insert_in_place(struct gd__face_seed *list, uint32_t count)
+static int compare_face_seeds(const void *x, const void *y)
 {
-    for (uint32_t i = 1; i < count; i++) {
-        struct gd__face_seed moved = list[i];
-        uint32_t at = i;
-        for (; at && list[at - 1].face > moved.face; at--) list[at] = list[at - 1];
-        list[at] = moved;
-    }
+    const struct gd__face_seed *a = x, *b = y;
+    if (a->face != b->face) return a->face < b->face ? -1 : 1;
+    return (a->seed > b->seed) - (a->seed < b->seed);
 }
-
-/* A run of consecutive seeds in one face. */
-struct run {
-    uint32_t face, first, count;
-};
-
-static uint32_t find_runs(const struct gd__face_seed *list, uint32_t count, struct run *runs)
-{
-    uint32_t found = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        if (!found || runs[found - 1].face != list[i].face)
-            runs[found++] = (struct run){list[i].face, i, 0};
-        runs[found - 1].count++;
-    }
-    return found;
-}
-
-/* Sorts runs by one digit of the face: one pass of a radix sort. */
-static void sort_by_digit(const struct run *from, struct run *to, uint32_t count, int shift)
-{
-    uint32_t place[DIGIT] = {0}, before = 0;
-    for (uint32_t i = 0; i < count; i++) place[from[i].face >> shift & (DIGIT - 1)]++;
-    for (int digit = 0; digit < DIGIT; digit++) {
-        uint32_t here = place[digit];
-        place[digit] = before;
-        before += here;
-    }
-    for (uint32_t i = 0; i < count; i++) to[place[from[i].face >> shift & (DIGIT - 1)]++] = from[i];
-}
-
-/* Writes the entries in the order of the runs. */
-static void put_runs(const struct run *runs, uint32_t count, const struct gd__face_seed *list,
-                     struct gd__face_seed *out)
-{
-    for (const struct run *run = runs; run < runs + count; run++)
-        for (uint32_t i = run->first; i < run->first + run->count; i++) *out++ = list[i];
-}
-
-/* Sorts the entries by face, stably. The function sorts runs instead of single entries, because
- * there are fewer runs. O(n) for each digit. Error: GD_NO_MEMORY. */
-static enum gd_status sort_by_face(struct gd_field *field)
-{
-    uint32_t count = field->face_seed_count;
-    struct run *room = malloc(sizeof *room * 2 * count), *runs = room;
-    struct gd__face_seed *sorted = malloc(sizeof *sorted * 2 * field->seed_count);
-    bool has_room = room && sorted;
-    if (has_room) {
-        count = find_runs(field->face_seeds, count, runs);
-        struct run *other = room + count;
-        for (int shift = 0; shift < 32 && field->mesh->face_count >> shift; shift += DIGIT_BITS) {
-            sort_by_digit(runs, other, count, shift);
-            struct run *ordered = other;
-            other = runs;
-            runs = ordered;
-        }
-        put_runs(runs, count, field->face_seeds, sorted);
-        struct gd__face_seed *unsorted = field->face_seeds;
-        field->face_seeds = sorted;
-        sorted = unsorted;
-    }
-    free(sorted);
-    free(room);
-    return has_room ? GD_OK : GD_NO_MEMORY;
-}
-
-/* --- adding seeds ----------------------------------------------------------------------------- */
 
 static enum gd_status open_index(struct gd_field *field)
 {
@@ -113,16 +37,6 @@ static void append_face_seed(struct gd_field *field, uint32_t face, uint32_t see
         field->face_seeds[field->face_seed_count++] = (struct gd__face_seed){face, seed};
 }
 
-/* Adds a seed for both faces of an edge. The face of the previous seed comes first, so that the
- * seeds of a curve form long runs. */
-static void enter_both(struct gd_field *field, const uint32_t face[2], uint32_t seed)
-{
-    uint32_t count = field->face_seed_count;
-    bool second = count && field->face_seeds[count - 1].face == face[1];
-    append_face_seed(field, face[second], seed);
-    append_face_seed(field, face[!second], seed);
-}
-
 /* Adds the entries of a seed. Returns false if the seed is a segment that no face contains. */
 static bool enter_seed(struct gd_field *field, uint32_t seed)
 {
@@ -133,16 +47,14 @@ static bool enter_seed(struct gd_field *field, uint32_t seed)
     /* The seeds of an image are read-only, and they are not propagated. */
     if (s->is_segment && !field->is_image) s->face = location.face;
     append_face_seed(field, location.face, seed);
-    if (location.edge != GD_NONE)
-        enter_both(field, &field->mesh->side_face[2 * location.edge], seed);
+    for (uint32_t k = 0; k < 2 && location.edge != GD_NONE; k++)
+        append_face_seed(field, field->mesh->side_face[2 * location.edge + k], seed);
     return true;
 }
 
-static enum gd_status close_index(struct gd_field *field)
+static void close_index(struct gd_field *field)
 {
-    if (field->face_seed_count > FEW) return sort_by_face(field);
-    insert_in_place(field->face_seeds, field->face_seed_count);
-    return GD_OK;
+    qsort(field->face_seeds, field->face_seed_count, sizeof *field->face_seeds, compare_face_seeds);
 }
 
 enum gd_status gd__field_index_seeds(struct gd_field *field)
@@ -150,7 +62,8 @@ enum gd_status gd__field_index_seeds(struct gd_field *field)
     enum gd_status status = open_index(field);
     for (uint32_t i = 0; i < field->seed_count && !status; i++)
         if (!enter_seed(field, i)) status = GD_INVALID_ARGUMENT;
-    return status ? status : close_index(field);
+    if (!status) close_index(field);
+    return status;
 }
 
 static void copy_seed(struct gd__seed *to, const struct gd_seed *from, double unit)
@@ -194,12 +107,10 @@ enum gd_status gd__field_take_seeds(struct gd_field *field, const struct gd_fiel
     field->seed_count = request->seed_count;
     field->seeds = malloc(request->seed_count * sizeof *field->seeds);
     enum gd_status status = field->seeds ? open_index(field) : GD_NO_MEMORY;
-    if (!status) {
-        status = take_each(field, request, detail);
-        if (status) return status;
-        status = close_index(field);
-    }
-    return status ? gd_fail_status(detail, status) : GD_OK;
+    if (status) return gd_fail_status(detail, status);
+    status = take_each(field, request, detail);
+    if (!status) close_index(field);
+    return status;
 }
 
 /* --- lookup ----------------------------------------------------------------------------------- */

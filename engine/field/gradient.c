@@ -34,11 +34,9 @@ static struct direction direction_between(const struct gd_mesh *mesh, uint32_t f
 static struct direction from_chord(const struct gd_mesh *mesh, uint32_t face,
                                    const struct gd__seed *seed, const struct gd_point *point)
 {
-    double weight[3];
     uint32_t side = mesh->face_side[face][0];
     struct gd__chord chord = gd__chord(mesh, face, 0, &seed->point, &seed->end);
-    gd__point_weights(mesh, point, face, weight);
-    double height = gd__chord_height(&chord, gd__face_local(mesh, side, weight)),
+    double height = gd__chord_height(&chord, gd__point_local(mesh, face, point)),
            left = height > 0 ? 1 : -1;
     if (fabs(height) <= GD_TOL_PLACE * mesh->side[side].length) return (struct direction){0};
     return (struct direction){side, -left * chord.along.y, left * chord.along.x};

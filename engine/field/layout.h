@@ -91,12 +91,12 @@ struct gd_field *gd__field_create(const struct gd_mesh *mesh);
 
 /* face_seeds.c: fills face_seeds and has_segments from the seeds, and sets the face of each
  * segment, except in an image, which is read-only. Errors: GD_NO_MEMORY, GD_INVALID_ARGUMENT (no
- * face contains a segment). O(n). */
+ * face contains a segment). O(n log n). */
 GD_MUST_USE enum gd_status gd__field_index_seeds(struct gd_field *field);
 
 /* face_seeds.c: copies the seeds of a request in the normalised unit, and indexes them as
  * gd__field_index_seeds does. Errors: GD_NO_MEMORY, GD_INVALID_ARGUMENT (an offset is negative or
- * not finite, or no face contains a segment). O(n). */
+ * not finite, or no face contains a segment). O(n log n). */
 GD_MUST_USE enum gd_status gd__field_take_seeds(struct gd_field *field,
                                                 const struct gd_field_request *request,
                                                 struct gd_detail *detail);

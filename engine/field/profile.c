@@ -123,14 +123,11 @@ static enum gd_status push_seeds(struct gathering *g)
     for (; f.at < f.end && !status; f.at++) {
         const struct gd__seed *seed = &field->seeds[f.at->seed];
         uint32_t source = field->mesh->vertex_count + f.at->seed;
-        double weight[3];
         if (seed->is_segment) {
             status = push_chord(g, seed, GD__SOURCE_LINEAR | source);
             continue;
         }
-        gd__point_weights(field->mesh, &seed->point, g->face, weight);
-        struct gd__local at =
-            gd__face_local(field->mesh, field->mesh->face_side[g->face][0], weight);
+        struct gd__local at = gd__point_local(field->mesh, g->face, &seed->point);
         struct gd__window w = window_of_point(g, at, seed->offset, source);
         status = push_window(g, &w);
     }

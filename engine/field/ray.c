@@ -41,10 +41,9 @@ struct gd__stop gd__ray_arrive_at_chord(struct gd__path_builder *builder, uint32
     const struct gd_mesh *mesh = builder->mesh;
     const struct gd__seed *s = &builder->field->seeds[seed];
     struct gd__chord chord = gd__chord(mesh, face, 0, &s->point, &s->end);
-    double weight[3], from[3], to[3];
-    gd__point_weights(mesh, &builder->path.points[builder->path.count - 1], face, weight);
-    double part = gd__chord_foot(&chord, gd__face_local(mesh, mesh->face_side[face][0], weight)) /
-                  chord.length;
+    const struct gd_point *last = &builder->path.points[builder->path.count - 1];
+    double weight[3], from[3], to[3],
+        part = gd__chord_foot(&chord, gd__point_local(mesh, face, last)) / chord.length;
     part = part < 0 ? 0 : part > 1 ? 1 : part;
     gd__point_weights(mesh, &s->point, face, from);
     gd__point_weights(mesh, &s->end, face, to);

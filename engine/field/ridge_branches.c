@@ -1,6 +1,7 @@
 #include <stdlib.h>
 
 #include "field/ridges.h"
+#include "mesh/union_find.h"
 
 /* Branches of the graph of ridges. A branch is a chain of parts between two nodes at which one part
  * ends, or three or more meet. A branch is dropped if its greatest angle is below the least one. */
@@ -35,12 +36,6 @@ static enum gd_status work_allocate(const struct gd__ridges *ridges, struct work
 
 /* --- branches --------------------------------------------------------------------------------- */
 
-static uint32_t root_of(uint32_t *parent, uint32_t i)
-{
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
 /* Sets `keep` for the parts of the branches that have a sufficient angle. */
 static void mark_branches(struct gd__ridges *ridges, const struct work *work)
 {
@@ -51,15 +46,16 @@ static void mark_branches(struct gd__ridges *ridges, const struct work *work)
     GD__PACED (pace, i, diagram->node_count) {
         const struct gd__node *node = &diagram->node[i];
         if (node->is_end || node->bisector_part[1] == GD_NONE) continue;
-        parent[root_of(parent, node->bisector_part[0])] = root_of(parent, node->bisector_part[1]);
+        gd__union_find_join(parent, node->bisector_part[0], node->bisector_part[1]);
     }
     GD__PACED (pace, i, parts) work->keep[i] = false;
     GD__PACED (pace, i, parts) {
-        if (ridges->pair[i].angle >= ridges->min_angle) work->keep[root_of(parent, i)] = true;
+        if (ridges->pair[i].angle >= ridges->min_angle)
+            work->keep[gd__union_find_root(parent, i)] = true;
     }
     GD__PACED (pace, i, parts) {
-        work->keep[i] =
-            work->keep[root_of(parent, i)] && !gd__ridge_is_point(&diagram->bisector_part[i]);
+        work->keep[i] = work->keep[gd__union_find_root(parent, i)] &&
+                        !gd__ridge_is_point(&diagram->bisector_part[i]);
     }
 }
 

@@ -35,14 +35,6 @@ static int by_element(const void *a, const void *b)
     return (x->node > y->node) - (x->node < y->node);
 }
 
-static struct gd__local place_in(const struct gd_mesh *mesh, uint32_t face,
-                                 const struct gd_point *point)
-{
-    double weight[3];
-    gd__point_weights(mesh, point, face, weight);
-    return gd__face_local(mesh, mesh->face_side[face][0], weight);
-}
-
 /* --- marks of elements ------------------------------------------------------------------------ */
 
 /* Marks of vertices, edges and faces, in this order. */
@@ -74,9 +66,10 @@ static void mark_face(const struct gd_mesh *mesh, bool *marks, uint32_t face)
 static struct place place_of(const struct gd__diagram *diagram, uint32_t node)
 {
     const struct gd_point *point = &diagram->node[node].point;
-    double x = point->kind == GD_POINT_EDGE   ? point->weight[0]
-               : point->kind == GD_POINT_FACE ? place_in(diagram->mesh, point->element, point).x
-                                              : 0;
+    double x = point->kind == GD_POINT_EDGE ? point->weight[0]
+               : point->kind == GD_POINT_FACE
+                   ? gd__point_local(diagram->mesh, point->element, point).x
+                   : 0;
     return (struct place){*point, x, node};
 }
 
@@ -160,15 +153,15 @@ static void look_on(const struct loose *loose, uint32_t face, enum gd_point_kind
     const struct gd__diagram *diagram = &loose->ridges->diagram;
     const struct places *places = loose->places;
     uint32_t other_end = diagram->bisector_part[loose->part].node[!loose->end];
-    struct gd__local at = place_in(diagram->mesh, face, &loose->point);
+    struct gd__local at = gd__point_local(diagram->mesh, face, &loose->point);
     for (uint32_t i = first_on(places, kind, element); i < places->count; i++) {
         const struct place *place = &places->place[i];
         if (place->point.kind != kind || place->point.element != element) break;
         const struct gd__node *node = &diagram->node[place->node];
         if (place->node == loose->node || (place->node == other_end && gd__ridge_is_loose(node)))
             continue;
-        double away =
-            gd__local_length(gd__local_minus(place_in(diagram->mesh, face, &place->point), at));
+        double away = gd__local_length(
+            gd__local_minus(gd__point_local(diagram->mesh, face, &place->point), at));
         bool is_match = away <= loose->sure || gd__ridge_is_loose(node);
         if (is_match && away < best->apart) *best = (struct neighbour){place->node, face, away};
     }
@@ -223,12 +216,12 @@ static const struct gd__seed *seed_at(const struct gd__ridges *ridges, uint32_t 
 {
     const struct gd_field *field = ridges->diagram.field;
     uint32_t face = ridges->diagram.bisector_part[part].face;
-    struct gd__local at = place_in(field->mesh, face, point);
+    struct gd__local at = gd__point_local(field->mesh, face, point);
     double reach = GD_TOL_NODE * size_at(ridges, part);
     for (struct gd__face_seeds f = gd__field_seeds_in(field, face); f.at < f.end; f.at++) {
         const struct gd__seed *seed = &field->seeds[f.at->seed];
         if (seed->is_segment) continue;
-        struct gd__local place = place_in(field->mesh, face, &seed->point);
+        struct gd__local place = gd__point_local(field->mesh, face, &seed->point);
         if (gd__local_length(gd__local_minus(place, at)) <= reach) return seed;
     }
     return NULL;
@@ -245,7 +238,7 @@ static enum gd_status is_on_part(struct gd__ridges *ridges, uint32_t part,
     if (near->face != face || ridges->pair[part].source[0] == GD_NONE) return GD_OK;
     enum gd_status status = gd__ridge_foci(ridges, part, focus);
     if (status) return status;
-    struct gd__local at = place_in(diagram->mesh, face, &diagram->node[near->node].point);
+    struct gd__local at = gd__point_local(diagram->mesh, face, &diagram->node[near->node].point);
     double apart = gd__focus_distance(&focus[0], at) - gd__focus_distance(&focus[1], at);
     *out = fabs(apart) <= GD_TOL_TIE * diagram->members.farthest;
     return GD_OK;
@@ -277,7 +270,7 @@ static enum gd_status join(const struct loose *loose, const struct neighbour *ne
     if (is_same) {
         diagram->node[loose->node].bisector_part[0] = GD_NONE;
         part->node[loose->end] = near->node;
-        gd__ridges_count_end(diagram, loose->part, loose->end);
+        gd__diagram_count_end(diagram, loose->part, loose->end);
         redirect(loose, near->node);
         return GD_OK;
     }

@@ -199,7 +199,7 @@ enum gd_status gd__ridges_bridge(struct gd__ridges *ridges, const struct gd__rid
 {
     uint32_t number;
     enum gd_status status = add_part(ridges, ridge, &number);
-    for (uint32_t k = 0; k < 2 && !status; k++) gd__ridges_count_end(&ridges->diagram, number, k);
+    for (uint32_t k = 0; k < 2 && !status; k++) gd__diagram_count_end(&ridges->diagram, number, k);
     return status;
 }
 
@@ -384,17 +384,6 @@ enum gd_status gd__ridges_finish(struct gd__ridges *ridges)
 
 /* --- counts ----------------------------------------------------------------------------------- */
 
-void gd__ridges_count_end(struct gd__diagram *diagram, uint32_t part, uint32_t end)
-{
-    struct gd__node *node = &diagram->node[diagram->bisector_part[part].node[end]];
-    if (node->bisector_part[0] == GD_NONE)
-        node->bisector_part[0] = part;
-    else if (node->bisector_part[1] == GD_NONE)
-        node->bisector_part[1] = part;
-    else
-        node->is_end = true;
-}
-
 void gd__ridges_count(struct gd__ridges *ridges)
 {
     struct gd__diagram *diagram = &ridges->diagram;
@@ -405,6 +394,6 @@ void gd__ridges_count(struct gd__ridges *ridges)
     GD__PACED (&ridges->pace, i, diagram->bisector_part_count) {
         const struct gd__bisector_part *part = &diagram->bisector_part[i];
         for (uint32_t k = 0; k < 2; k++)
-            if (!gd__ridge_is_point(part)) gd__ridges_count_end(diagram, i, k);
+            if (!gd__ridge_is_point(part)) gd__diagram_count_end(diagram, i, k);
     }
 }

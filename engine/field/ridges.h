@@ -114,7 +114,6 @@ GD_MUST_USE enum gd_status gd__ridges_finish(struct gd__ridges *ridges);
 
 /* ridge_graph.c: counts the parts that end at each node. */
 void gd__ridges_count(struct gd__ridges *ridges);
-void gd__ridges_count_end(struct gd__diagram *diagram, uint32_t part, uint32_t end);
 
 /* Returns true for a part whose ends are one node. Such a part is not longer than rounding, or it
  * was dropped. */

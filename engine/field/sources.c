@@ -123,10 +123,7 @@ static enum gd_status append_point(const struct gd_field *field, uint32_t seed,
                                    struct gd__sources *out)
 {
     const struct gd__seed *s = &field->seeds[seed];
-    double weight[3];
-    gd__point_weights(field->mesh, &s->point, out->face, weight);
-    struct gd__local place =
-        gd__face_local(field->mesh, field->mesh->face_side[out->face][0], weight);
+    struct gd__local place = gd__point_local(field->mesh, out->face, &s->point);
     return append_source(out, &(struct gd__source){.at = place,
                                                    .sigma = s->offset,
                                                    .left_at = place,

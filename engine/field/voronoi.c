@@ -48,6 +48,17 @@ enum gd_status gd__diagram_add_arc(struct gd__diagram *diagram, const struct gd_
                             sizeof *arc);
 }
 
+void gd__diagram_count_end(struct gd__diagram *diagram, uint32_t part, uint32_t end)
+{
+    struct gd__node *node = &diagram->node[diagram->bisector_part[part].node[end]];
+    if (node->bisector_part[0] == GD_NONE)
+        node->bisector_part[0] = part;
+    else if (node->bisector_part[1] == GD_NONE)
+        node->bisector_part[1] = part;
+    else
+        node->is_end = true;
+}
+
 static enum gd_status open_diagram(struct gd__diagram *diagram)
 {
     const struct gd_mesh *mesh = diagram->mesh;

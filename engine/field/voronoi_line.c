@@ -77,20 +77,11 @@ struct leg {
     struct gd__local at; /* the last point */
 };
 
-static struct gd__local place_of(const struct writer *writer, uint32_t face,
-                                 const struct gd_point *point)
-{
-    const struct gd_mesh *mesh = writer->diagram->mesh;
-    double weight[3];
-    gd__point_weights(mesh, point, face, weight);
-    return gd__face_local(mesh, mesh->face_side[face][0], weight);
-}
-
 /* Appends a point, unless it equals the last one. */
 static void go_to(struct writer *writer, struct leg *leg, const struct gd_point *point)
 {
     if (writer->status || gd_point_equal(&writer->point[writer->point_count - 1], point)) return;
-    struct gd__local at = place_of(writer, leg->face, point);
+    struct gd__local at = gd__point_local(writer->diagram->mesh, leg->face, point);
     writer->length += hypot(at.x - leg->at.x, at.y - leg->at.y);
     leg->at = at;
     append_point(writer, point);
@@ -125,7 +116,8 @@ static void flatten_arc(struct writer *writer, struct leg *leg, const struct gd_
                         bool reversed, const struct gd_point *stop)
 {
     struct gd__branch branch;
-    struct gd__local from = leg->at, to = place_of(writer, leg->face, stop), origin = {0, 0};
+    struct gd__local from = leg->at, to = gd__point_local(writer->diagram->mesh, leg->face, stop),
+                     origin = {0, 0};
     double size = leg->frame.size;
     double start = reversed ? arc->to : arc->from,
            turn = (arc->to - arc->from) * (reversed ? -1 : 1);
@@ -149,7 +141,7 @@ static void go_along(struct writer *writer, const struct gd__bisector_part *bise
     const struct gd_point *start = &diagram->node[bisector_part->node[reversed]].point,
                           *stop = &diagram->node[bisector_part->node[!reversed]].point;
     struct leg leg = {gd__face_frame_of(diagram->mesh, bisector_part->face), bisector_part->face,
-                      place_of(writer, bisector_part->face, start)};
+                      gd__point_local(diagram->mesh, bisector_part->face, start)};
     const struct gd__arc *arc =
         bisector_part->arc == GD_NONE ? NULL : &diagram->arc[bisector_part->arc];
     if (arc && !arc->focus[0].linear) flatten_arc(writer, &leg, arc, reversed, stop);

@@ -61,23 +61,11 @@ static enum gd_status make_node(const struct work *work, struct gd__local at, ui
     return gd__diagram_add_node(work->diagram, &point, out);
 }
 
-static void end_bisector_part(struct gd__diagram *diagram, uint32_t bisector_part, uint32_t end,
-                              uint32_t number)
-{
-    struct gd__node *node = &diagram->node[number];
-    diagram->bisector_part[bisector_part].node[end] = number;
-    if (node->bisector_part[0] == GD_NONE)
-        node->bisector_part[0] = bisector_part;
-    else if (node->bisector_part[1] == GD_NONE)
-        node->bisector_part[1] = bisector_part;
-    else
-        node->is_end = true;
-}
-
 static void attach_end(const struct work *work, struct gd__loose_end *loose, uint32_t node)
 {
     loose->node = node;
-    end_bisector_part(work->diagram, loose->bisector_part, loose->end, node);
+    work->diagram->bisector_part[loose->bisector_part].node[loose->end] = node;
+    gd__diagram_count_end(work->diagram, loose->bisector_part, loose->end);
 }
 
 /* --- triple points ---------------------------------------------------------------------------- */
@@ -213,10 +201,9 @@ static enum gd_status bridge_nodes(const struct work *work, const uint32_t membe
                                               .arc = GD_NONE};
     uint32_t number;
     enum gd_status status = gd__diagram_add_bisector_part(work->diagram, &bisector_part, &number);
-    if (status) return status;
-    end_bisector_part(work->diagram, number, 0, from);
-    end_bisector_part(work->diagram, number, 1, to);
-    return GD_OK;
+    for (uint32_t end = 0; end < 2 && !status; end++)
+        gd__diagram_count_end(work->diagram, number, end);
+    return status;
 }
 
 static enum gd_status give_node(const struct work *work, struct gd__loose_end *loose)

@@ -226,9 +226,7 @@ static bool is_covered(const struct gd_field *field, uint32_t face, const struct
                        const struct gd__seed *segment, double slack)
 {
     const struct gd_mesh *mesh = field->mesh;
-    double weight[3];
-    gd__point_weights(mesh, &point->point, face, weight);
-    struct gd__local at = gd__face_local(mesh, mesh->face_side[face][0], weight);
+    struct gd__local at = gd__point_local(mesh, face, &point->point);
     struct gd__chord chord = gd__chord(mesh, face, 0, &segment->point, &segment->end);
     double foot = gd__chord_foot(&chord, at), height = fabs(gd__chord_height(&chord, at));
     return foot >= 0 && foot <= chord.length && height <= slack &&

@@ -199,4 +199,8 @@ gd__diagram_add_bisector_part(struct gd__diagram *diagram,
 GD_MUST_USE enum gd_status gd__diagram_add_arc(struct gd__diagram *diagram,
                                                const struct gd__arc *arc, uint32_t *out);
 
+/* Adds a part to the node of one of its ends. If two parts meet at the node already, bisectors end
+ * there. */
+void gd__diagram_count_end(struct gd__diagram *diagram, uint32_t part, uint32_t end);
+
 #endif

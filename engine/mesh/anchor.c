@@ -25,13 +25,6 @@ static void anchor_face(const struct gd_mesh *mesh, const struct gd_point *point
     }
 }
 
-static void anchor_add(struct gd_vec3 *sum, double weight, struct gd_vec3 v)
-{
-    sum->x += weight * v.x;
-    sum->y += weight * v.y;
-    sum->z += weight * v.z;
-}
-
 static struct gd_vec3 anchor_position_of(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     struct gd_vec3 sum = {0};
@@ -39,13 +32,14 @@ static struct gd_vec3 anchor_position_of(const struct gd_mesh *mesh, const struc
     case GD_POINT_VERTEX:
         return mesh->position[point->element];
     case GD_POINT_EDGE:
-        anchor_add(&sum, 1 - point->weight[0], mesh->position[mesh->origin[2 * point->element]]);
-        anchor_add(&sum, point->weight[0], mesh->position[mesh->origin[2 * point->element + 1]]);
-        break;
+        sum = gd_vec3_along(sum, 1 - point->weight[0],
+                            mesh->position[mesh->origin[2 * point->element]]);
+        return gd_vec3_along(sum, point->weight[0],
+                             mesh->position[mesh->origin[2 * point->element + 1]]);
     case GD_POINT_FACE:
         for (int k = 0; k < 3; k++)
-            anchor_add(&sum, point->weight[k],
-                       mesh->position[mesh->origin[mesh->face_side[point->element][k]]]);
+            sum = gd_vec3_along(sum, point->weight[k],
+                                mesh->position[mesh->origin[mesh->face_side[point->element][k]]]);
         break;
     }
     return sum;

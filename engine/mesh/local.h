@@ -80,6 +80,15 @@ static inline void gd__point_weights(const struct gd_mesh *mesh, const struct gd
     for (int k = 0; k < 3; k++) weight[k] = is[k] * of_origin + is[(k + 2) % 3] * of_destination;
 }
 
+/* Returns a point of a face in the frame of the face's side 0. */
+static inline struct gd__local gd__point_local(const struct gd_mesh *mesh, uint32_t face,
+                                               const struct gd_point *point)
+{
+    double weight[3];
+    gd__point_weights(mesh, point, face, weight);
+    return gd__face_local(mesh, mesh->face_side[face][0], weight);
+}
+
 /* Returns the corner with the largest weight. */
 static inline int gd__main_corner(const double weight[3])
 {

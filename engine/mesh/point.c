@@ -5,6 +5,7 @@
 
 #include "base/tolerance.h"
 #include "mesh/canonical.h"
+#include "mesh/local.h"
 
 struct gd_point gd__point_of_vertex(uint32_t vertex)
 {
@@ -239,28 +240,6 @@ static uint32_t lowest_face(const struct gd_mesh *mesh, const struct gd_point *p
     return best;
 }
 
-/* Computes the barycentric coordinates of the point by the internal corners of `face`. */
-static void weights_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face,
-                            double weight[3])
-{
-    for (int k = 0; k < 3; k++) {
-        uint32_t corner = mesh->origin[mesh->face_side[face][k]];
-        switch (point->kind) {
-        case GD_POINT_FACE:
-            weight[k] = point->weight[k];
-            break;
-        case GD_POINT_VERTEX:
-            weight[k] = corner == point->element;
-            break;
-        case GD_POINT_EDGE:
-            weight[k] = corner == mesh->origin[2 * point->element]       ? gd__edge_rest(point)
-                        : corner == mesh->origin[2 * point->element + 1] ? point->weight[0]
-                                                                         : 0;
-            break;
-        }
-    }
-}
-
 static void describe_edge(const struct gd_mesh *mesh, const struct gd_point *point,
                           struct gd_point_description *out)
 {
@@ -276,7 +255,7 @@ void gd_point_describe(const struct gd_mesh *mesh, const struct gd_point *point,
 {
     uint32_t face = lowest_face(mesh, point);
     double weight[3];
-    weights_in_face(mesh, point, face, weight);
+    gd__point_weights(mesh, point, face, weight);
     bool flipped = mesh->face_flipped[face];
     *out = (struct gd_point_description){
         .xyz = gd_point_position(mesh, point),

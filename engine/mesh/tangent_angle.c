@@ -15,12 +15,11 @@ static double angle_in_face(const struct gd_mesh *mesh, uint32_t side, const str
                             const struct gd_point *to)
 {
     uint32_t face = mesh->side_face[side];
-    int k = gd__place_of_side(mesh->face_side[face], side);
-    int l = (k + 1) % 3, m = (k + 2) % 3;
     double from[3], there[3];
     gd__point_weights(mesh, at, face, from);
     gd__point_weights(mesh, to, face, there);
-    struct gd__local d = gd__side_local(&mesh->side[side], there[l] - from[l], there[m] - from[m]);
+    struct gd__local d = gd__leg_key_in_face(
+        mesh, face, gd__place_of_side(mesh->face_side[face], side), from, there);
     return atan2(d.y, d.x);
 }
 
