@@ -1,7 +1,6 @@
-#include "io/gltf_motion.h"
+#include "io/gltf_document.h"
 
 #include <math.h>
-#include <stdbool.h>
 
 #define AXIS_PART 0.05 /* length of an axis, relative to the length of the line */
 
@@ -30,34 +29,11 @@ static uint32_t next_key(const struct gd_result *result, uint32_t pose)
     return pose;
 }
 
-uint32_t gd__motion_count(const struct gd_result *result)
-{
-    uint32_t count = 0;
-    if (!(reach_of(result) > 0)) return 0;
-    for (uint32_t pose = 0; pose < result->pose_count; pose = next_key(result, pose)) count++;
-    return count;
-}
-
-float gd__motion_axis(const struct gd_result *result)
-{
-    return (float)(AXIS_PART * reach_of(result));
-}
-
 static void relative(const struct gd_pose *pose, const double origin[3], float out[3])
 {
     out[0] = (float)(pose->position.x - origin[0]);
     out[1] = (float)(pose->position.y - origin[1]);
     out[2] = (float)(pose->position.z - origin[2]);
-}
-
-bool gd__motion_fits(const struct gd_result *result, const double origin[3])
-{
-    for (uint32_t pose = 0; pose < result->pose_count; pose++) {
-        float at[3];
-        relative(&result->poses[pose], origin, at);
-        if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2])) return false;
-    }
-    return isfinite(gd__motion_axis(result));
 }
 
 /* --- rotations -------------------------------------------------------------------------------- */
@@ -98,36 +74,123 @@ static void rotation_continue(const double before[4], double q[4])
 
 /* --- data ------------------------------------------------------------------------------------- */
 
-/* Writes the axes as lines from the origin along z (tangent, red), y (normal, blue), x (green). */
-static void write_axes(struct gd__output *output, float length)
+enum { AXIS_POINTS = 6, COLOUR_BYTES = 8 }; /* the object has the two ends of each of its axes */
+
+/* Adds the axes as lines from the origin along z (tangent, red), y (normal, blue), x (green). */
+static void add_axes(struct gd__gltf_writing *writing, float length)
 {
     static const uint64_t colours[3] = {UINT64_C(0xffff00000000ffff), UINT64_C(0xffffffff00000000),
                                         UINT64_C(0xffff0000ffff0000)};
+    struct gd__output *binary = &writing->binary, *json = &writing->accessor_list;
+    const double most = (double)length;
+    size_t begin = binary->size;
     for (int line = 0; line < 3; line++) {
-        for (int axis = 0; axis < 3; axis++) gd__output_f32(output, 0);
-        for (int axis = 0; axis < 3; axis++) gd__output_f32(output, axis == 2 - line ? length : 0);
+        for (int axis = 0; axis < 3; axis++) gd__output_f32(binary, 0);
+        for (int axis = 0; axis < 3; axis++) gd__output_f32(binary, axis == 2 - line ? length : 0);
     }
-    for (int point = 0; point < GD__AXIS_POINTS; point++)
-        gd__output_little_endian(output, colours[point / 2], GD__COLOUR_BYTES);
+    gd__gltf_accessor(writing, writing->views, 0, GD__GLTF_FLOAT, AXIS_POINTS, "");
+    gd__gltf_triple(json, ",\"type\":\"VEC3\",\"min\":", (const double[]){0, 0, 0});
+    gd__gltf_triple(json, ",\"max\":", (const double[]){most, most, most});
+    gd__output_text(json, "}");
+    gd__gltf_view(writing, begin, 0, GD__GLTF_VERTICES);
+    begin = binary->size;
+    for (int point = 0; point < AXIS_POINTS; point++)
+        gd__output_little_endian(binary, colours[point / 2], COLOUR_BYTES);
+    gd__gltf_accessor(writing, writing->views, 0, GD__GLTF_SHORT, AXIS_POINTS,
+                      ",\"normalized\":true,\"type\":\"VEC4\"}");
+    gd__gltf_view(writing, begin, 0, GD__GLTF_VERTICES);
 }
 
-void gd__motion_write(struct gd__output *output, const struct gd_result *result,
-                      const double origin[3])
+/* Adds the times of the keys: poses whose times, as floats, ascend strictly. Returns their
+ * number. */
+static uint32_t add_times(struct gd__gltf_writing *writing)
 {
-    uint32_t count = result->pose_count;
-    double before[4] = {0, 0, 0, 0}, q[4];
-    float at[3];
-    write_axes(output, gd__motion_axis(result));
-    for (uint32_t pose = 0; pose < count; pose = next_key(result, pose))
-        gd__output_f32(output, time_of(result, pose));
-    for (uint32_t pose = 0; pose < count; pose = next_key(result, pose)) {
-        relative(&result->poses[pose], origin, at);
-        for (int axis = 0; axis < 3; axis++) gd__output_f32(output, at[axis]);
+    const struct gd_result *result = writing->result;
+    size_t begin = writing->binary.size;
+    uint32_t keys = 0;
+    for (uint32_t pose = 0; pose < result->pose_count; pose = next_key(result, pose), keys++)
+        gd__output_f32(&writing->binary, time_of(result, pose));
+    gd__gltf_accessor(writing, writing->views, 0, GD__GLTF_FLOAT, keys,
+                      ",\"type\":\"SCALAR\",\"min\":[0],\"max\":[");
+    gd__gltf_member(&writing->accessor_list, "", GD_RESULT_SECONDS);
+    gd__output_text(&writing->accessor_list, "]}");
+    gd__gltf_view(writing, begin, 0, 0);
+    return keys;
+}
+
+/* Adds the translations of the keys, relative to the origin. */
+static void add_translations(struct gd__gltf_writing *writing, uint32_t keys)
+{
+    const struct gd_result *result = writing->result;
+    size_t begin = writing->binary.size;
+    for (uint32_t pose = 0, key = 0; pose < result->pose_count; pose++) {
+        float at[3];
+        relative(&result->poses[pose], writing->origin, at);
+        writing->fits &= isfinite(at[0]) && isfinite(at[1]) && isfinite(at[2]);
+        if (pose < key) continue;
+        key = next_key(result, pose);
+        for (int axis = 0; axis < 3; axis++) gd__output_f32(&writing->binary, at[axis]);
     }
-    for (uint32_t pose = 0; pose < count; pose = next_key(result, pose)) {
+    gd__gltf_accessor(writing, writing->views, 0, GD__GLTF_FLOAT, keys, ",\"type\":\"VEC3\"}");
+    gd__gltf_view(writing, begin, 0, 0);
+}
+
+/* Adds the rotations of the keys as unit quaternions x, y, z, w. The dot product of two consecutive
+ * quaternions is at least 0, so that interpolation turns the object by the smaller angle. */
+static void add_rotations(struct gd__gltf_writing *writing, uint32_t keys)
+{
+    const struct gd_result *result = writing->result;
+    size_t begin = writing->binary.size;
+    double before[4] = {0, 0, 0, 0}, q[4];
+    for (uint32_t pose = 0; pose < result->pose_count; pose = next_key(result, pose)) {
         rotation_of(&result->poses[pose], q);
         rotation_continue(before, q);
-        for (int a = 0; a < 4; a++) gd__output_f32(output, (float)q[a]);
+        for (int a = 0; a < 4; a++) gd__output_f32(&writing->binary, (float)q[a]);
         for (int a = 0; a < 4; a++) before[a] = q[a];
     }
+    gd__gltf_accessor(writing, writing->views, 0, GD__GLTF_FLOAT, keys, ",\"type\":\"VEC4\"}");
+    gd__gltf_view(writing, begin, 0, 0);
+}
+
+/* --- the object ------------------------------------------------------------------------------- */
+
+static void describe_sampler(struct gd__output *json, uint32_t input, uint32_t output)
+{
+    gd__gltf_member(json, "{\"interpolation\":\"LINEAR\",\"input\":", input);
+    gd__gltf_member(json, ",\"output\":", output);
+    gd__output_text(json, "}");
+}
+
+/* Describes the object and its animation. `first` is its first accessor. */
+static void describe_object(struct gd__gltf_writing *writing, uint32_t first)
+{
+    struct gd__output *meshes = &writing->mesh_list, *json = &writing->animations;
+    gd__output_text(&writing->node_list, ",{\"name\":\"object\",\"mesh\":1}");
+    gd__output_text(&writing->material_list,
+                    ",{\"name\":\"axes\",\"pbrMetallicRoughness\":{\"metallicFactor\":0}}");
+    gd__gltf_member(meshes, ",{\"primitives\":[{\"attributes\":{\"POSITION\":", first);
+    gd__gltf_member(meshes, ",\"COLOR_0\":", first + UINT64_C(1));
+    gd__output_text(meshes, "},\"mode\":1,\"material\":2}]}");
+    gd__output_text(
+        json, ",\"animations\":[{\"name\":\"motion\",\"channels\":["
+              "{\"sampler\":0,\"target\":{\"node\":1,\"path\":\"translation\"}},"
+              "{\"sampler\":1,\"target\":{\"node\":1,\"path\":\"rotation\"}}],\"samplers\":[");
+    describe_sampler(json, first + 2, first + 3);
+    gd__output_text(json, ",");
+    describe_sampler(json, first + 2, first + 4);
+    gd__output_text(json, "]}]");
+    writing->nodes++;
+    writing->materials++;
+}
+
+void gd__gltf_motion(struct gd__gltf_writing *writing)
+{
+    float length = (float)(AXIS_PART * reach_of(writing->result));
+    if (!(reach_of(writing->result) > 0)) return;
+    writing->fits &= isfinite(length);
+    describe_object(writing, writing->accessors);
+    add_axes(writing, length);
+    uint32_t keys = add_times(writing);
+    add_translations(writing, keys);
+    add_rotations(writing, keys);
 }

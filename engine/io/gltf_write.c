@@ -1,20 +1,16 @@
-/* Writes glTF (gltf_write.h). The data is, in this order: positions, indices, colours, distances,
- * points of the lines, data of the moving object (gltf_motion.h), data of the layers
- * (gltf_layers.h). Each kind has one view and one accessor, except that each line and each layer
- * has its own accessor. */
-#include "io/gltf_write.h"
-
+/* Writes glTF: one scene, as binary (GLB) or as JSON with embedded data. The contents are described
+ * in gd/result_file.h. The data is, in this order: positions, indices, colours, distances, points of
+ * the lines, data of the moving object, data of the layers. Each kind has one view and one accessor,
+ * except that each line and each layer has its own accessor. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "io/base64.h"
-#include "io/gltf_layers.h"
-#include "io/gltf_motion.h"
+#include "io/gltf_document.h"
+#include "io/writers.h"
 
 #define CHUNK_JSON   UINT32_C(0x4E4F534A)
 #define CHUNK_BINARY UINT32_C(0x004E4942)
-
-enum { MOTION_ACCESSORS = 5 }; /* of the moving object, each with one view */
 
 /* Grey, for vertices whose distance is unknown. */
 static const struct gd_colour unknown = {0.5, 0.5, 0.5};
@@ -45,6 +41,11 @@ static size_t mesh_count(const struct gd_result *result)
     return result->mesh ? result->mesh->position_count : 0;
 }
 
+static void widen(struct gd__gltf_box *box, const double (*positions)[3], size_t count)
+{
+    for (size_t i = 0; i < count; i++) gd__gltf_widen(box, positions[i]);
+}
+
 /* Returns the centre of the box, rounded to a multiple of a power of two between a quarter and a
  * half of the box's size. So the result has few digits, and is 0 if the box is centred near the
  * origin. */
@@ -67,10 +68,10 @@ static void find_origin(struct gd__gltf_writing *writing)
     for (uint32_t i = 0; are_exact && i < result->layer_count; i++)
         are_exact = are_floats(result->layers[i].points, gd__gltf_layer_points(&result->layers[i]));
     if (are_exact) return;
-    gd__gltf_widen(&box, positions, mesh_count(result));
-    gd__gltf_widen(&box, result->points, point_count(result));
+    widen(&box, positions, mesh_count(result));
+    widen(&box, result->points, point_count(result));
     for (uint32_t i = 0; i < result->layer_count; i++)
-        gd__gltf_widen(&box, result->layers[i].points, gd__gltf_layer_points(&result->layers[i]));
+        widen(&box, result->layers[i].points, gd__gltf_layer_points(&result->layers[i]));
     double size = 0;
     for (int axis = 0; axis < 3; axis++) size = fmax(size, box.max[axis] - box.min[axis]);
     for (int axis = 0; axis < 3; axis++)
@@ -79,281 +80,12 @@ static void find_origin(struct gd__gltf_writing *writing)
                                     : box.min[axis] / 2 + box.max[axis] / 2;
 }
 
-/* --- data ------------------------------------------------------------------------------------- */
-
-static void write_indices(const struct gd__gltf_writing *writing)
-{
-    const struct gd_polygons *mesh = writing->result->mesh;
-    for (uint32_t corner = 0; corner < gd_polygons_corner_count(mesh); corner++)
-        gd__output_little_endian(writing->binary, mesh->corners[corner], 4);
-}
+/* --- the mesh and the lines ------------------------------------------------------------------- */
 
 static uint64_t as_short(double component)
 {
     return (uint64_t)lrint(component * 65535);
 }
-
-static void write_colours(const struct gd__gltf_writing *writing)
-{
-    for (uint32_t i = 0; i < writing->result->mesh->position_count; i++) {
-        double distance = writing->result->distances[i];
-        double part = writing->largest > 0 ? distance / writing->largest : 0;
-        struct gd_colour colour = isfinite(distance) ? gd_colour_map(part) : unknown;
-        gd__output_little_endian(writing->binary,
-                                 as_short(colour.red) | as_short(colour.green) << 16 |
-                                     as_short(colour.blue) << 32 | UINT64_C(65535) << 48,
-                                 8);
-    }
-}
-
-static void write_distances(const struct gd__gltf_writing *writing)
-{
-    for (uint32_t i = 0; i < writing->result->mesh->position_count; i++) {
-        float distance = (float)writing->result->distances[i];
-        gd__output_f32(writing->binary, isfinite(distance) ? distance : -1);
-    }
-}
-
-/* Returns the number of points that are written for a line. A line becomes a strip, and a strip has
- * at least two points, so the point of a line of one point is written twice. */
-static size_t strip_points(const struct gd_result *result, uint32_t line)
-{
-    size_t count = result->first[line + 1] - result->first[line];
-    return count > 1 ? count : 2;
-}
-
-static void write_lines(const struct gd__gltf_writing *writing)
-{
-    const struct gd_result *result = writing->result;
-    for (uint32_t line = 0; line < result->line_count; line++) {
-        uint32_t begin = result->first[line], count = result->first[line + 1] - begin;
-        gd__gltf_write_positions(writing, result->points + begin, count);
-        if (count == 1) gd__gltf_write_positions(writing, result->points + begin, 1);
-    }
-}
-
-static void write_binary(const struct gd__gltf_writing *writing)
-{
-    const struct gd_result *result = writing->result;
-    if (result->mesh) {
-        gd__gltf_write_positions(writing, mesh_positions(result), mesh_count(result));
-        write_indices(writing);
-    }
-    if (result->distances) {
-        write_colours(writing);
-        write_distances(writing);
-    }
-    write_lines(writing);
-    if (writing->keys) gd__motion_write(writing->binary, result, writing->origin);
-    gd__gltf_layer_data(writing);
-}
-
-/* --- the document ----------------------------------------------------------------------------- */
-
-static void describe_motion_views(struct gd__gltf_writing *writing)
-{
-    uint64_t keys = writing->keys;
-    gd__gltf_view(writing, GD__AXIS_POINTS * GD__POSITION_BYTES, 0, GD__GLTF_VERTICES);
-    gd__gltf_view(writing, GD__AXIS_POINTS * GD__COLOUR_BYTES, 0, GD__GLTF_VERTICES);
-    gd__gltf_view(writing, keys * GD__TIME_BYTES, 0, 0);
-    gd__gltf_view(writing, keys * GD__POSITION_BYTES, 0, 0);
-    gd__gltf_view(writing, keys * GD__QUATERNION_BYTES, 0, 0);
-}
-
-static void describe_views(struct gd__gltf_writing *writing)
-{
-    const struct gd_result *result = writing->result;
-    uint64_t vertices = mesh_count(result), points = 0;
-    for (uint32_t line = 0; line < result->line_count; line++) points += strip_points(result, line);
-    gd__gltf_text(writing, ",\"bufferViews\":[");
-    if (result->mesh) {
-        gd__gltf_view(writing, 12 * vertices, 0, GD__GLTF_VERTICES);
-        gd__gltf_view(writing, 4 * (uint64_t)gd_polygons_corner_count(result->mesh), 0,
-                      GD__GLTF_INDICES);
-    }
-    if (result->distances) {
-        gd__gltf_view(writing, 8 * vertices, 0, GD__GLTF_VERTICES);
-        gd__gltf_view(writing, 4 * vertices, 0, GD__GLTF_VERTICES);
-    }
-    if (points)
-        gd__gltf_view(writing, 12 * points, result->line_count > 1 ? 12 : 0, GD__GLTF_VERTICES);
-    if (writing->keys) describe_motion_views(writing);
-    gd__gltf_layer_views(writing);
-    gd__gltf_text(writing, "]");
-}
-
-static bool describe_mesh(struct gd__gltf_writing *writing)
-{
-    const struct gd_result *result = writing->result;
-    size_t count = mesh_count(result);
-    if (!gd__gltf_positions(writing, 0, 0, mesh_positions(result), count, count)) return false;
-    gd__gltf_accessor_begin(writing, 1, 0, GD__GLTF_INT, gd_polygons_corner_count(result->mesh));
-    gd__gltf_text(writing, ",\"type\":\"SCALAR\"}");
-    if (!result->distances) return true;
-    gd__gltf_accessor_begin(writing, 2, 0, GD__GLTF_SHORT, count);
-    gd__gltf_text(writing, ",\"normalized\":true,\"type\":\"VEC4\"}");
-    gd__gltf_accessor_begin(writing, 3, 0, GD__GLTF_FLOAT, count);
-    gd__gltf_text(writing, ",\"type\":\"SCALAR\"}");
-    return true;
-}
-
-/* `view` is the first view of the moving object. */
-static void describe_motion_accessors(struct gd__gltf_writing *writing, uint32_t view)
-{
-    double length = (double)gd__motion_axis(writing->result);
-    gd__gltf_accessor_begin(writing, view, 0, GD__GLTF_FLOAT, GD__AXIS_POINTS);
-    gd__gltf_triple(writing, ",\"type\":\"VEC3\",\"min\":", (const double[]){0, 0, 0});
-    gd__gltf_triple(writing, ",\"max\":", (const double[]){length, length, length});
-    gd__gltf_text(writing, "}");
-    gd__gltf_accessor_begin(writing, view + 1, 0, GD__GLTF_SHORT, GD__AXIS_POINTS);
-    gd__gltf_text(writing, ",\"normalized\":true,\"type\":\"VEC4\"}");
-    gd__gltf_accessor_begin(writing, view + 2, 0, GD__GLTF_FLOAT, writing->keys);
-    gd__gltf_member(writing, ",\"type\":\"SCALAR\",\"min\":[0],\"max\":[", GD_RESULT_SECONDS);
-    gd__gltf_text(writing, "]}");
-    gd__gltf_accessor_begin(writing, view + 3, 0, GD__GLTF_FLOAT, writing->keys);
-    gd__gltf_text(writing, ",\"type\":\"VEC3\"}");
-    gd__gltf_accessor_begin(writing, view + 4, 0, GD__GLTF_FLOAT, writing->keys);
-    gd__gltf_text(writing, ",\"type\":\"VEC4\"}");
-}
-
-static bool describe_accessors(struct gd__gltf_writing *writing)
-{
-    const struct gd_result *result = writing->result;
-    uint32_t lines = (result->mesh ? 2 : 0) + (result->distances ? 2 : 0),
-             motion = lines + (result->line_count > 0),
-             layers = motion + (writing->keys ? MOTION_ACCESSORS : 0);
-    bool fits = true;
-    uint64_t offset = 0;
-    gd__gltf_text(writing, ",\"accessors\":[");
-    if (result->mesh) fits = describe_mesh(writing);
-    for (uint32_t line = 0; fits && line < result->line_count; line++) {
-        uint32_t begin = result->first[line], count = result->first[line + 1] - begin;
-        size_t written = strip_points(result, line);
-        fits = gd__gltf_positions(writing, lines, offset, result->points + begin, count, written);
-        offset += 12 * written;
-    }
-    if (fits && writing->keys) describe_motion_accessors(writing, motion);
-    if (fits) fits = gd__gltf_layer_accessors(writing, layers);
-    gd__gltf_text(writing, "]");
-    return fits;
-}
-
-static void write_level(struct gd__gltf_writing *writing, double level)
-{
-    gd__gltf_text(writing, ",\"extras\":{\"level\":");
-    gd__output_double(writing->json, level);
-    gd__gltf_text(writing, "}");
-}
-
-/* Writes the mesh of the moving object. `accessor` is its first one. */
-static void describe_object(struct gd__gltf_writing *writing, uint32_t accessor)
-{
-    gd__gltf_member(writing, ",{\"primitives\":[{\"attributes\":{\"POSITION\":", accessor);
-    gd__gltf_member(writing, ",\"COLOR_0\":", accessor + UINT64_C(1));
-    gd__gltf_text(writing, "},\"mode\":1,\"material\":2}]}");
-}
-
-static void describe_sampler(struct gd__gltf_writing *writing, uint32_t input, uint32_t output)
-{
-    gd__gltf_member(writing, "{\"interpolation\":\"LINEAR\",\"input\":", input);
-    gd__gltf_member(writing, ",\"output\":", output);
-    gd__gltf_text(writing, "}");
-}
-
-/* `input` is the accessor of times. */
-static void describe_animation(struct gd__gltf_writing *writing, uint32_t input)
-{
-    gd__gltf_text(writing,
-                  ",\"animations\":[{\"name\":\"motion\",\"channels\":["
-                  "{\"sampler\":0,\"target\":{\"node\":1,\"path\":\"translation\"}},"
-                  "{\"sampler\":1,\"target\":{\"node\":1,\"path\":\"rotation\"}}],\"samplers\":[");
-    describe_sampler(writing, input, input + 1);
-    gd__gltf_text(writing, ",");
-    describe_sampler(writing, input, input + 2);
-    gd__gltf_text(writing, "]}]");
-}
-
-/* Writes the scene. The moving object is a child of the first node, so that its translations, which
- * are floats, are relative to the origin. */
-static void describe_nodes(struct gd__gltf_writing *writing)
-{
-    gd__gltf_triple(
-        writing,
-        "{\"asset\":{\"version\":\"2.0\",\"generator\":\"geodesicd\"},\"scene\":0,\"scenes\":[{"
-        "\"nodes\":[0]}],"
-        "\"nodes\":[{\"mesh\":0,\"translation\":",
-        writing->origin);
-    uint32_t children = (writing->keys > 0) + gd__gltf_layer_count(writing->result);
-    for (uint32_t i = 1; i <= children; i++)
-        gd__gltf_member(writing, i > 1 ? "," : ",\"children\":[", i);
-    gd__gltf_text(writing, children ? "]}" : "}");
-    if (writing->keys) gd__gltf_text(writing, ",{\"name\":\"object\",\"mesh\":1}");
-    writing->nodes = 1 + (writing->keys > 0);
-    gd__gltf_layer_nodes(writing);
-    gd__gltf_text(writing, "]");
-}
-
-static void describe_materials(struct gd__gltf_writing *writing)
-{
-    const struct gd_result *result = writing->result;
-    gd__gltf_text(writing, ",\"materials\":[{\"name\":\"surface\",\"doubleSided\":true,"
-                           "\"pbrMetallicRoughness\":{");
-    if (result->colour && !result->distances) {
-        gd__gltf_colour(writing, result->colour);
-        gd__gltf_text(writing, ",");
-    }
-    gd__gltf_text(writing, "\"metallicFactor\":0,\"roughnessFactor\":0.9}},{\"name\":\"line\","
-                           "\"pbrMetallicRoughness\":"
-                           "{\"baseColorFactor\":[0.64,0.006,0.013,1],\"metallicFactor\":0}}");
-    if (writing->keys)
-        gd__gltf_text(writing,
-                      ",{\"name\":\"axes\",\"pbrMetallicRoughness\":{\"metallicFactor\":0}}");
-    gd__gltf_layer_materials(writing);
-    gd__gltf_text(writing, "]");
-}
-
-static void describe_scene(struct gd__gltf_writing *writing)
-{
-    const struct gd_result *result = writing->result;
-    uint32_t accessor = 0, primitives = 0;
-    describe_nodes(writing);
-    describe_materials(writing);
-    gd__gltf_text(writing, ",\"meshes\":[{\"primitives\":[");
-    if (result->mesh) {
-        gd__gltf_text(writing, "{\"attributes\":{\"POSITION\":0");
-        if (result->distances) gd__gltf_text(writing, ",\"COLOR_0\":2,\"_DISTANCE\":3");
-        gd__gltf_text(writing, "},\"indices\":1,\"material\":0}");
-        accessor = result->distances ? 4 : 2;
-        primitives++;
-    }
-    for (uint32_t line = 0; line < result->line_count; line++) {
-        gd__gltf_member(writing,
-                        primitives++ ? ",{\"attributes\":{\"POSITION\":"
-                                     : "{\"attributes\":{\"POSITION\":",
-                        accessor++);
-        gd__gltf_text(writing, "},\"mode\":3,\"material\":1");
-        if (result->levels) write_level(writing, result->levels[line]);
-        gd__gltf_text(writing, "}");
-    }
-    gd__gltf_text(writing, "]}");
-    if (writing->keys) describe_object(writing, accessor);
-    gd__gltf_layer_meshes(writing, 2 + (writing->keys > 0),
-                          accessor + (writing->keys ? MOTION_ACCESSORS : 0));
-    gd__gltf_text(writing, "]");
-    if (writing->keys) describe_animation(writing, accessor + 2);
-}
-
-/* Writes the document up to the length of its one buffer, which the caller writes. */
-static bool describe(struct gd__gltf_writing *writing)
-{
-    describe_scene(writing);
-    describe_views(writing);
-    bool fits = describe_accessors(writing);
-    gd__gltf_member(writing, ",\"buffers\":[{\"byteLength\":", writing->bytes);
-    return fits;
-}
-
-/* --- files ------------------------------------------------------------------------------------ */
 
 static double largest_distance(const struct gd_result *result)
 {
@@ -363,50 +95,198 @@ static double largest_distance(const struct gd_result *result)
     return largest;
 }
 
-static enum gd_status begin(struct gd__gltf_writing *writing)
+static void add_colours(struct gd__gltf_writing *writing)
+{
+    const struct gd_result *result = writing->result;
+    double largest = largest_distance(result);
+    size_t begin = writing->binary.size;
+    for (uint32_t i = 0; i < result->mesh->position_count; i++) {
+        double distance = result->distances[i], part = largest > 0 ? distance / largest : 0;
+        struct gd_colour colour = isfinite(distance) ? gd_colour_map(part) : unknown;
+        gd__output_little_endian(&writing->binary,
+                                 as_short(colour.red) | as_short(colour.green) << 16 |
+                                     as_short(colour.blue) << 32 | UINT64_C(65535) << 48,
+                                 8);
+    }
+    gd__gltf_accessor(writing, writing->views, 0, GD__GLTF_SHORT, mesh_count(result),
+                      ",\"normalized\":true,\"type\":\"VEC4\"}");
+    gd__gltf_view(writing, begin, 0, GD__GLTF_VERTICES);
+}
+
+static void add_distances(struct gd__gltf_writing *writing)
+{
+    const struct gd_result *result = writing->result;
+    size_t begin = writing->binary.size;
+    for (uint32_t i = 0; i < result->mesh->position_count; i++) {
+        float distance = (float)result->distances[i];
+        gd__output_f32(&writing->binary, isfinite(distance) ? distance : -1);
+    }
+    gd__gltf_accessor(writing, writing->views, 0, GD__GLTF_FLOAT, mesh_count(result),
+                      ",\"type\":\"SCALAR\"}");
+    gd__gltf_view(writing, begin, 0, GD__GLTF_VERTICES);
+}
+
+/* Adds the mesh, whose accessors are the first ones. */
+static void add_mesh(struct gd__gltf_writing *writing)
+{
+    const struct gd_result *result = writing->result;
+    struct gd__output *json = &writing->primitives;
+    uint32_t corners = gd_polygons_corner_count(result->mesh);
+    gd__gltf_positions(writing, 0, mesh_positions(result), mesh_count(result), 0);
+    gd__gltf_view(writing, 0, 0, GD__GLTF_VERTICES);
+    size_t begin = writing->binary.size;
+    for (uint32_t corner = 0; corner < corners; corner++)
+        gd__output_little_endian(&writing->binary, result->mesh->corners[corner], 4);
+    gd__gltf_accessor(writing, writing->views, 0, GD__GLTF_INT, corners, ",\"type\":\"SCALAR\"}");
+    gd__gltf_view(writing, begin, 0, GD__GLTF_INDICES);
+    if (result->distances) add_colours(writing);
+    if (result->distances) add_distances(writing);
+    gd__output_text(json, "{\"attributes\":{\"POSITION\":0");
+    if (result->distances) gd__output_text(json, ",\"COLOR_0\":2,\"_DISTANCE\":3");
+    gd__output_text(json, "},\"indices\":1,\"material\":0}");
+}
+
+/* Adds the lines. A line becomes a strip, and a strip has at least two points, so the point of a
+ * line of one point is written twice. */
+static void add_lines(struct gd__gltf_writing *writing)
+{
+    const struct gd_result *result = writing->result;
+    struct gd__output *json = &writing->primitives;
+    size_t begin = writing->binary.size;
+    for (uint32_t line = 0; line < result->line_count; line++) {
+        uint32_t first = result->first[line], count = result->first[line + 1] - first;
+        gd__gltf_member(
+            json, json->size ? ",{\"attributes\":{\"POSITION\":" : "{\"attributes\":{\"POSITION\":",
+            writing->accessors);
+        gd__output_text(json, "},\"mode\":3,\"material\":1");
+        if (result->levels) {
+            gd__output_text(json, ",\"extras\":{\"level\":");
+            gd__output_double(json, result->levels[line]);
+            gd__output_text(json, "}");
+        }
+        gd__output_text(json, "}");
+        gd__gltf_positions(writing, begin, result->points + first, count, 2);
+    }
+    if (result->line_count)
+        gd__gltf_view(writing, begin, result->line_count > 1 ? 12 : 0, GD__GLTF_VERTICES);
+}
+
+/* --- the document ----------------------------------------------------------------------------- */
+
+static void join(struct gd__output *json, const char *before, const struct gd__output *list,
+                 const char *after)
+{
+    gd__output_text(json, before);
+    if (list->size) gd__output_bytes(json, list->bytes, list->size);
+    gd__output_text(json, after);
+}
+
+/* Writes the document up to the length of its one buffer. The other nodes are children of the first
+ * one, so that their positions, which are floats, are relative to the origin. */
+static void describe(const struct gd__gltf_writing *writing, struct gd__output *json)
+{
+    const struct gd_result *result = writing->result;
+    gd__gltf_triple(
+        json,
+        "{\"asset\":{\"version\":\"2.0\",\"generator\":\"geodesicd\"},\"scene\":0,\"scenes\":[{"
+        "\"nodes\":[0]}],"
+        "\"nodes\":[{\"mesh\":0,\"translation\":",
+        writing->origin);
+    for (uint32_t i = 1; i < writing->nodes; i++)
+        gd__gltf_member(json, i > 1 ? "," : ",\"children\":[", i);
+    join(json, writing->nodes > 1 ? "]}" : "}", &writing->node_list,
+         "],\"materials\":[{\"name\":\"surface\",\"doubleSided\":true,"
+         "\"pbrMetallicRoughness\":{");
+    if (result->colour && !result->distances) {
+        gd__gltf_colour(json, result->colour);
+        gd__output_text(json, ",");
+    }
+    join(json,
+         "\"metallicFactor\":0,\"roughnessFactor\":0.9}},{\"name\":\"line\","
+         "\"pbrMetallicRoughness\":"
+         "{\"baseColorFactor\":[0.64,0.006,0.013,1],\"metallicFactor\":0}}",
+         &writing->material_list, "],\"meshes\":[{\"primitives\":[");
+    join(json, "", &writing->primitives, "]}");
+    join(json, "", &writing->mesh_list, "]");
+    join(json, "", &writing->animations, ",\"bufferViews\":[");
+    join(json, "", &writing->view_list, "],\"accessors\":[");
+    join(json, "", &writing->accessor_list, "]");
+    gd__gltf_member(json, ",\"buffers\":[{\"byteLength\":", writing->binary.size);
+}
+
+/* Adds all contents. Errors: those of gd__glb_write, and GD_NO_MEMORY. */
+static enum gd_status add_all(struct gd__gltf_writing *writing)
 {
     const struct gd_result *result = writing->result;
     if ((!result->mesh && !result->line_count) || (result->distances && !result->mesh))
         return GD_INVALID_ARGUMENT;
     if (result->mesh && !gd_polygons_are_triangles(result->mesh)) return GD_NOT_TRIANGLES;
-    writing->largest = largest_distance(result);
     find_origin(writing);
-    writing->keys = gd__motion_count(result);
-    if (writing->keys && !gd__motion_fits(result, writing->origin)) return GD_NON_FINITE;
-    return describe(writing) ? GD_OK : GD_NON_FINITE;
+    if (result->mesh) add_mesh(writing);
+    add_lines(writing);
+    gd__gltf_motion(writing);
+    gd__gltf_layers(writing);
+    if (!writing->fits) return GD_NON_FINITE;
+    const struct gd__output *lists[] = {&writing->node_list,  &writing->material_list,
+                                        &writing->primitives, &writing->mesh_list,
+                                        &writing->animations, &writing->view_list,
+                                        &writing->binary,     &writing->accessor_list};
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
+        if (lists[i]->failed) return GD_NO_MEMORY;
+    return GD_OK;
 }
 
-static void write_chunk_header(struct gd__output *output, uint64_t size, uint32_t type)
+static struct gd__gltf_writing begin_writing(const struct gd_result *result)
 {
-    gd__output_little_endian(output, size, 4);
+    return (struct gd__gltf_writing){.result = result, .fits = true, .nodes = 1, .materials = 2};
+}
+
+static void end_writing(struct gd__gltf_writing *writing)
+{
+    free(writing->node_list.bytes);
+    free(writing->material_list.bytes);
+    free(writing->primitives.bytes);
+    free(writing->mesh_list.bytes);
+    free(writing->animations.bytes);
+    free(writing->view_list.bytes);
+    free(writing->accessor_list.bytes);
+    free(writing->binary.bytes);
+}
+
+/* --- files ------------------------------------------------------------------------------------ */
+
+static void write_chunk(struct gd__output *output, const struct gd__output *data, uint32_t type)
+{
+    gd__output_little_endian(output, data->size, 4);
     gd__output_little_endian(output, type, 4);
+    if (data->size) gd__output_bytes(output, data->bytes, data->size);
 }
 
-static enum gd_status join_glb(struct gd__gltf_writing *writing)
+static enum gd_status join_glb(struct gd__output *json, const struct gd__output *binary,
+                               struct gd__output *output)
 {
-    struct gd__output *json = writing->json, *output = writing->binary;
     gd__output_text(json, "}]}");
     while (!json->failed && json->size % 4) gd__output_text(json, " ");
-    uint64_t length = 12 + 8 + json->size + 8 + writing->bytes;
+    if (json->failed) return GD_NO_MEMORY;
+    uint64_t length = 12 + 8 + json->size + 8 + binary->size;
     if (length > UINT32_MAX) return GD_TOO_LARGE;
     gd__output_text(output, "glTF");
     gd__output_little_endian(output, 2, 4);
     gd__output_little_endian(output, length, 4);
-    write_chunk_header(output, json->size, CHUNK_JSON);
-    gd__output_bytes(output, json->bytes, json->size);
-    write_chunk_header(output, writing->bytes, CHUNK_BINARY);
-    write_binary(writing);
+    write_chunk(output, json, CHUNK_JSON);
+    write_chunk(output, binary, CHUNK_BINARY);
     return GD_OK;
 }
 
 enum gd_status gd__glb_write(struct gd__output *output, const struct gd_result *result)
 {
+    struct gd__gltf_writing writing = begin_writing(result);
     struct gd__output json = {0};
-    struct gd__gltf_writing writing = {.result = result, .json = &json, .binary = output};
-    enum gd_status status = begin(&writing);
-    if (status == GD_OK && json.failed) status = GD_NO_MEMORY;
-    if (status == GD_OK) status = join_glb(&writing);
+    enum gd_status status = add_all(&writing);
+    if (!status) describe(&writing, &json);
+    if (!status) status = join_glb(&json, &writing.binary, output);
     free(json.bytes);
+    end_writing(&writing);
     return status;
 }
 
@@ -423,17 +303,14 @@ static void write_base64(struct gd__output *output, const struct gd__output *bin
 
 enum gd_status gd__gltf_write(struct gd__output *output, const struct gd_result *result)
 {
-    struct gd__output binary = {0};
-    struct gd__gltf_writing writing = {.result = result, .json = output, .binary = &binary};
-    enum gd_status status = begin(&writing);
-    if (status != GD_OK) return status;
-    write_binary(&writing);
-    if (!binary.failed) {
+    struct gd__gltf_writing writing = begin_writing(result);
+    enum gd_status status = add_all(&writing);
+    if (!status) {
+        describe(&writing, output);
         gd__output_text(output, ",\"uri\":\"data:application/octet-stream;base64,");
-        write_base64(output, &binary);
+        write_base64(output, &writing.binary);
         gd__output_text(output, "\"}]}\n");
     }
-    status = binary.failed ? GD_NO_MEMORY : GD_OK;
-    free(binary.bytes);
+    end_writing(&writing);
     return status;
 }

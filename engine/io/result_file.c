@@ -4,8 +4,7 @@
 #include <stdlib.h>
 
 #include "gd/number.h"
-#include "io/gltf_layers.h"
-#include "io/gltf_write.h"
+#include "io/gltf_document.h"
 #include "io/writers.h"
 
 /* --- PLY -------------------------------------------------------------------------------------- */

@@ -3,7 +3,6 @@
 
 #include "gd/io.h"
 #include "gd/vec.h"
-#include "io/gltf_write.h"
 #include "io/writers.h"
 
 #define PLY_HEADER_MOST 512 /* upper bound of the bytes of the header */

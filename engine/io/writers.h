@@ -3,6 +3,7 @@
 #define GD_IO_WRITERS_H
 
 #include "gd/polygons.h"
+#include "gd/result_file.h"
 #include "gd/status.h"
 #include "io/output.h"
 
@@ -15,6 +16,13 @@ void gd__write_obj(struct gd__output *output, const struct gd_polygons *polygons
  * `distance`. */
 void gd__write_ply(struct gd__output *output, const struct gd_polygons *polygons,
                    const double *distances);
+
+/* Write a result as glTF, as in gd/result_file.h: as binary (GLB), or as JSON with embedded data.
+ * Errors: GD_NOT_TRIANGLES, GD_NON_FINITE, GD_TOO_LARGE, GD_INVALID_ARGUMENT (nothing to write),
+ * GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__glb_write(struct gd__output *output, const struct gd_result *result);
+GD_MUST_USE enum gd_status gd__gltf_write(struct gd__output *output,
+                                          const struct gd_result *result);
 
 /* Moves the bytes to `out`, or frees them if writing failed. Returns `status`, or the error of the
  * output. */
