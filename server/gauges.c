@@ -122,7 +122,7 @@ static void write_memory(struct server *server, struct proto_writer *writer)
 {
     static const char *const names[SERVER_BUDGET_CLASSES] = {
         "meshes",    "fields",   "flight",          "answers", "records", "workspaces",
-        "landmarks", "previews", "discretizations", "jobs",    "packed",  "spare"};
+        "landmarks", "previews", "discretizations", "jobs",    "spare"};
     server_metrics_write_head(writer, "memory_bytes", "gauge",
                               "Bytes of the budget in use, by class.");
     for (int i = 0; i < SERVER_BUDGET_CLASSES; i++)

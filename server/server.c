@@ -49,7 +49,6 @@ void server_surfaces_destroy(struct server *server)
     server_discretizations_destroy(api->discretizations);
     server_landmarks_destroy(api->landmarks);
     server_previews_destroy(api->previews);
-    server_packed_files_destroy(api->packed_files);
     server_field_store_close(server->field_store);
     server_cache_destroy(api->cache);
 }
@@ -227,8 +226,7 @@ static bool create_surfaces(struct server *server, char error[SERVER_ERROR])
             server_landmarks_create(&parts, server->host.metrics, (uint32_t)config->landmarks);
     if (config->landmarks && !api->landmarks) return false;
     api->previews = server_previews_create(&parts);
-    api->packed_files = server_packed_files_create(&server->budget);
-    if (!api->previews || !api->packed_files) return false;
+    if (!api->previews) return false;
     api->loader = server_loader_create(&(struct server_loader_parts){
         .budget = &server->budget,
         .workers = server->host.workers,

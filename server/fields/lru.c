@@ -1,11 +1,10 @@
 #include "server/fields/lru.h"
 
-/* Evicts the least recently used item if the list holds more than `most` bytes. Returns the bytes
- * of the item, or 0 if no item was evicted. */
-static size_t lru_evict(struct server_lru *lru, size_t most)
+/* Evicts the least recently used item. Returns its bytes, or 0 if the list is empty. */
+static size_t lru_evict(struct server_lru *lru)
 {
     pthread_mutex_lock(&lru->lock);
-    struct server_lru_item *item = lru->held > most ? TAILQ_FIRST(&lru->by_use) : NULL;
+    struct server_lru_item *item = TAILQ_FIRST(&lru->by_use);
     struct server_lru_item **place = item ? item->place : NULL;
     size_t bytes = item ? item->bytes : 0;
     if (item) (void)server_lru_take(place);
@@ -20,12 +19,7 @@ static void lru_reclaim(void *user, size_t bytes)
     struct server_lru *lru = user;
     size_t freed = 0, more = 1;
     atomic_fetch_add(&lru->pressures, 1);
-    for (; freed < bytes && more; freed += more) more = lru_evict(lru, 0);
-}
-
-void server_lru_trim(struct server_lru *lru, size_t most)
-{
-    while (lru_evict(lru, most)) continue;
+    for (; freed < bytes && more; freed += more) more = lru_evict(lru);
 }
 
 void server_lru_begin(struct server_lru *lru)
@@ -59,7 +53,6 @@ void server_lru_put(struct server_lru_item **place, struct server_lru_item *item
     *place = item;
     item->place = place;
     TAILQ_INSERT_TAIL(&item->lru->by_use, item, by_use);
-    item->lru->held += item->bytes;
 }
 
 struct server_lru_item *server_lru_get(struct server_lru_item **place)
@@ -76,7 +69,6 @@ struct server_lru_item *server_lru_take(struct server_lru_item **place)
     struct server_lru_item *item = *place;
     if (!item) return NULL;
     TAILQ_REMOVE(&item->lru->by_use, item, by_use);
-    item->lru->held -= item->bytes;
     *place = NULL;
     return item;
 }

@@ -35,7 +35,6 @@ struct server_lru { /* the owner sets the first members */
     void (*evicted)(struct server_lru *lru, struct server_lru_item **place);
     pthread_mutex_t lock;
     TAILQ_HEAD(, server_lru_item) by_use; /* the items, beginning with the least recently used */
-    size_t held;                          /* bytes of the items in the list */
     atomic_uint pressures;                /* number of times that memory was short */
 };
 
@@ -43,9 +42,6 @@ struct server_lru { /* the owner sets the first members */
  * empty before. */
 void server_lru_begin(struct server_lru *lru);
 void server_lru_end(struct server_lru *lru);
-
-/* Evicts the least recently used items until the list holds at most `most` bytes. */
-void server_lru_trim(struct server_lru *lru, size_t most);
 
 /* Begins an item with one reference. Moves its bytes from SERVER_BUDGET_FLIGHT to the list's
  * class. */

@@ -10,7 +10,6 @@
 #include "server/fields/discretizations.h"
 #include "server/surfaces/landmarks.h"
 #include "server/surfaces/loader.h"
-#include "server/surfaces/packed_files.h"
 #include "server/surfaces/previews.h"
 #include "server/surfaces/registry.h"
 #include "server/work/budgeted_call.h"
@@ -28,7 +27,6 @@ struct server_api {
     struct server_loader *loader;
     struct server_landmarks *landmarks; /* NULL means disabled */
     struct server_previews *previews;
-    struct server_packed_files *packed_files;
     struct server_discretizations *discretizations;
     struct server_job_table *jobs;
     struct server_batch_runner *batches;

@@ -31,13 +31,11 @@ enum server_budget_class {
     SERVER_BUDGET_PREVIEWS,
     SERVER_BUDGET_DISCRETIZATIONS, /* cached discretizations */
     SERVER_BUDGET_JOBS,            /* answers stored for jobs; never reclaimed */
-    SERVER_BUDGET_PACKED,          /* gzip forms of mesh files */
     SERVER_BUDGET_SPARE,           /* reserve for the memory of released fields; never reclaimed */
     SERVER_BUDGET_CLASSES
 };
 
 enum server_reclaim_turn {
-    SERVER_RECLAIM_PACKED,
     SERVER_RECLAIM_WORKSPACES,
     SERVER_RECLAIM_LANDMARKS,
     SERVER_RECLAIM_PREVIEWS,

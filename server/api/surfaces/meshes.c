@@ -6,7 +6,6 @@
 
 #include "gd/io.h"
 #include "proto/http/page.h"
-#include "server/base/gzip.h"
 #include "server/exchange/etag.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
@@ -55,50 +54,9 @@ static void content_describe(struct server_exchange *exchange, const struct serv
                         record->name, gd_format_name(format));
 }
 
-static void packed_release(void *file)
-{
-    server_packed_file_release(file);
-}
-
-/* Replies with the packed file, and takes over the caller's reference to it. */
-static void packed_send(struct server_exchange *exchange, const struct server_record *record,
-                        enum gd_format format, struct server_packed_file *file)
-{
-    const struct server_lent lent = {.bytes = file->bytes,
-                                     .size = file->size,
-                                     .tail = "",
-                                     .lender = file,
-                                     .release = packed_release};
-    struct proto_writer head;
-    server_reply_writer(exchange, &head);
-    content_describe(exchange, record, format);
-    server_reply_coding(exchange, true);
-    server_reply_lent(exchange, 200, gd_format_media_type(format), &head, &lent);
-}
-
-/* Compresses a file in the format that the client chose, and caches the result. Returns NULL if the
- * client does not accept gzip, if the file is small or not compressible, or if memory is short. */
-static struct server_packed_file *content_pack(struct server_exchange *exchange, const char *tag,
-                                               const char *bytes, size_t size)
-{
-    struct proto_writer packed;
-    size_t packed_size;
-    if (size < SERVER_PACKED_FROM || !server_reply_takes_gzip(exchange)) return NULL;
-    proto_writer_init(&packed, size - 1);
-    bool ok = server_gzip(bytes, size, &packed);
-    char *text = ok ? proto_writer_take(&packed, &packed_size) : NULL;
-    proto_writer_free(&packed);
-    if (!text) return NULL;
-    struct server_packed_file *file =
-        server_packed_files_add(exchange->host->api->packed_files, tag, text, packed_size);
-    if (!file) free(text);
-    return file;
-}
-
 static bool content_send(struct server_exchange *exchange)
 {
     const struct server_surface *surface = exchange->state;
-    char tag[SERVER_ETAG_TEXT];
     size_t cost = content_cost(surface->mesh), size;
     struct proto_problem problem;
     enum gd_format format;
@@ -107,14 +65,6 @@ static bool content_send(struct server_exchange *exchange)
     bool is_written = server_request_take(exchange, "the file", cost, &problem) &&
                       content_write(surface->mesh, format, &bytes, &size, &problem);
     if (!server_reply_check(exchange, is_written, &problem)) return true;
-    /* the polygons have been freed, and their part of the grant covers the packed text */
-    server_etag_write(tag, surface->record->etag, gd_format_name(format));
-    struct server_packed_file *file = content_pack(exchange, tag, bytes, size);
-    if (file) {
-        free(bytes);
-        packed_send(exchange, surface->record, format, file);
-        return true;
-    }
     server_budget_adjust(exchange->host->budget, SERVER_BUDGET_FLIGHT, cost, size);
     exchange->held = size;
     content_describe(exchange, surface->record, format);
@@ -122,15 +72,14 @@ static bool content_send(struct server_exchange *exchange)
     return true;
 }
 
-/* Replies without loading the mesh if the client already has the file, or if the file is cached in
- * the form that the client accepts. Returns true if the request is answered. */
-static bool content_is_ready(struct server_exchange *exchange, enum gd_format format)
+/* Replies without loading the mesh if the client already has the file. Returns true if the request
+ * is answered. */
+static bool content_is_known(struct server_exchange *exchange, enum gd_format format)
 {
     char tag[SERVER_ETAG_TEXT];
     const struct server_precondition precondition = server_precondition_read(exchange);
-    struct server_packed_file *file = NULL;
     struct server_listed listed;
-    if (!precondition.if_none_match[0] && !server_reply_takes_gzip(exchange)) return false;
+    if (!precondition.if_none_match[0]) return false;
     if (!server_request_record(exchange, &listed)) return true;
     server_etag_write(tag, listed.record->etag, gd_format_name(format));
     bool is_known = server_precondition_known(&precondition, tag);
@@ -138,18 +87,15 @@ static bool content_is_ready(struct server_exchange *exchange, enum gd_format fo
         server_reply_tag(exchange, listed.record->etag, gd_format_name(format));
         server_reply_header(exchange, "Vary", "Accept, Accept-Encoding");
         server_reply_empty(exchange, 304);
-    } else if (server_reply_takes_gzip(exchange)) {
-        file = server_packed_files_find(exchange->host->api->packed_files, tag);
-        if (file) packed_send(exchange, listed.record, format, file);
     }
     server_listed_release(&listed);
-    return is_known || file;
+    return is_known;
 }
 
 void server_handle_get_mesh_content(struct server_exchange *exchange)
 {
     enum gd_format format;
-    if (!content_read_format(exchange, &format) || content_is_ready(exchange, format)) return;
+    if (!content_read_format(exchange, &format) || content_is_known(exchange, format)) return;
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
     server_exchange_keep(exchange, surface, content_free);
