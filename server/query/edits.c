@@ -84,18 +84,12 @@ bool server_edits_add(const struct server_edits *edits, const struct gd_edited *
 {
     size_t size =
         sizeof(struct server_derived) + edited->polygons.position_count * 4 * sizeof(double);
-    if (!server_budget_take(edits->budget, SERVER_BUDGET_FLIGHT, size))
-        return server_budget_refuse(edits->budget, "the mesh", size, problem);
-    struct server_derived *derived = calloc(1, size);
-    bool is_added = false;
-    if (!derived || !write_derived(edits, edited, derived))
-        proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    else
-        is_added = server_derived_meshes_add(meshes, name, &edited->polygons,
-                                             &(struct server_attachment){derived, size}, problem);
-    free(derived);
-    server_budget_give(edits->budget, SERVER_BUDGET_FLIGHT, size);
-    return is_added;
+    struct server_attachment attachment;
+    if (!server_attachment_create(&attachment, size, edits->budget, problem)) return false;
+    if (write_derived(edits, edited, attachment.bytes))
+        return server_derived_meshes_add(meshes, name, &edited->polygons, &attachment, problem);
+    server_attachment_free(&attachment, edits->budget);
+    return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
 }
 
 /* Splits the result into its components. `held` then counts their memory. */

@@ -11,8 +11,6 @@
 #include "server/store/kind.h"
 
 #define FILE_OPTIONS "format=ply&triangulate=true" /* in the canonical form of the kind `mesh` */
-/* number of bytes copied between two checks of the control */
-#define COPY_BYTES ((size_t)4 << 20)
 
 /* Adds the description to a new record. Records in the registry already have a description, and are
  * immutable. */
@@ -133,31 +131,53 @@ static size_t file_cost(const struct gd_polygons *polygons)
            polygons->polygon_count * sizeof(uint32_t) + 1024;
 }
 
-enum gd_status server_derived_mesh_copy(void *to, const void *from, size_t size,
-                                        const struct gd_control *control)
+bool server_attachment_create(struct server_attachment *attachment, size_t size,
+                              struct server_budget *budget, struct proto_problem *problem)
 {
-    enum gd_status status = GD_OK;
-    for (size_t at = 0; !status && at < size; at += COPY_BYTES) {
-        status = gd_control_check(control, 0);
-        if (!status)
-            memcpy((char *)to + at, (const char *)from + at,
-                   size - at < COPY_BYTES ? size - at : COPY_BYTES);
-    }
-    return status;
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, size))
+        return server_budget_refuse(budget, "the mesh", size, problem);
+    *attachment = (struct server_attachment){calloc(1, size), size};
+    if (attachment->bytes) return true;
+    server_attachment_free(attachment, budget);
+    return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
 }
 
-/* A mesh before it is built; all borrowed. */
+void server_attachment_free(const struct server_attachment *attachment,
+                            struct server_budget *budget)
+{
+    free(attachment->bytes);
+    server_budget_give(budget, SERVER_BUDGET_FLIGHT, attachment->size);
+}
+
+/* A mesh before it is built. */
 struct draft {
-    const char *name, *file;
+    const char *name;                           /* borrowed */
+    const struct server_attachment *attachment; /* borrowed; NULL means that there is none */
+    char *file;                                 /* NULL means that it is not written yet */
     size_t size;
-    const struct server_attachment *attachment; /* NULL means that there is none */
-    const struct gd_control *control;
 };
+
+/* Writes the file, whose bytes `meshes` holds. */
+static bool draft_write(struct draft *draft, struct server_derived_meshes *meshes,
+                        const struct gd_polygons *polygons, const struct gd_control *control,
+                        struct proto_problem *problem)
+{
+    struct server_budget *budget = meshes->exchange->host->budget;
+    size_t cost = file_cost(polygons);
+    if (!name_check(meshes, draft->name, problem)) return false;
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost))
+        return server_budget_refuse(budget, "the mesh", cost, problem);
+    meshes->held += cost;
+    enum gd_status status =
+        gd_write_polygons_within(polygons, GD_FORMAT_PLY, control, &draft->file, &draft->size);
+    return !status || proto_problem_from_status(problem, status, NULL);
+}
 
 /* Returns the record of the file. This is the registry's record if the name already has the same
  * mesh. */
 static enum gd_status draft_record(const struct server_exchange *exchange,
-                                   const struct draft *draft, struct server_record **out)
+                                   const struct draft *draft, const struct gd_control *control,
+                                   struct server_record **out)
 {
     const struct server_attachment *attachment = draft->attachment;
     char sha256[SERVER_SHA256_HEX], attachment_sha256[SERVER_SHA256_HEX];
@@ -165,10 +185,10 @@ static enum gd_status draft_record(const struct server_exchange *exchange,
                                    .sha256 = sha256,
                                    .size = draft->size,
                                    .options = FILE_OPTIONS};
-    enum gd_status status = server_sha256_within(draft->file, draft->size, draft->control, sha256);
+    enum gd_status status = server_sha256_within(draft->file, draft->size, control, sha256);
     if (!status && attachment) {
-        status = server_sha256_within(attachment->bytes, attachment->size, draft->control,
-                                      attachment_sha256);
+        status =
+            server_sha256_within(attachment->bytes, attachment->size, control, attachment_sha256);
         origin.attachment_sha256 = attachment_sha256;
         origin.attachment_size = attachment->size;
     }
@@ -186,66 +206,30 @@ static enum gd_status draft_record(const struct server_exchange *exchange,
     return record ? GD_OK : GD_NO_MEMORY;
 }
 
-/* Returns a copy that is counted as SERVER_BUDGET_FLIGHT; NULL with the problem. */
-static void *attachment_copy(struct server_budget *budget, const struct draft *draft,
-                             struct proto_problem *problem)
-{
-    const struct server_attachment *attachment = draft->attachment;
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, attachment->size)) {
-        server_budget_refuse(budget, "the mesh", attachment->size, problem);
-        return NULL;
-    }
-    void *copy = malloc(attachment->size);
-    enum gd_status status =
-        copy ? server_derived_mesh_copy(copy, attachment->bytes, attachment->size, draft->control)
-             : GD_NO_MEMORY;
-    if (!status) return copy;
-    free(copy);
-    server_budget_give(budget, SERVER_BUDGET_FLIGHT, attachment->size);
-    proto_problem_from_status(problem, status, NULL);
-    return NULL;
-}
-
-static struct server_surface *draft_build(struct server_exchange *exchange,
-                                          const struct draft *draft, struct proto_problem *problem)
-{
-    struct server_surface *surface = NULL;
-    struct server_record *record = NULL;
-    struct server_monitor all = {.exchange = exchange};
-    void *copy = NULL;
-    enum gd_status status = draft_record(exchange, draft, &record);
-    if (status)
-        proto_problem_from_status(problem, status, NULL);
-    else if (!draft->attachment || (copy = attachment_copy(exchange->host->budget, draft, problem)))
-        surface = server_surface_resource_build(&all, record, draft->file, copy, problem);
-    server_record_release(record);
-    return surface;
-}
-
 bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char *name,
                                const struct gd_polygons *polygons,
                                const struct server_attachment *attachment,
                                struct proto_problem *problem)
 {
-    struct server_budget *budget = meshes->exchange->host->budget;
     struct server_monitor monitor = {.exchange = meshes->exchange};
     const struct gd_control control = server_exchange_control(&monitor);
-    struct draft draft = {.name = name, .attachment = attachment, .control = &control};
-    size_t cost = file_cost(polygons);
-    char *file;
-    if (!name_check(meshes, name, problem)) return false;
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost))
-        return server_budget_refuse(budget, "the mesh", cost, problem);
-    meshes->held += cost;
+    struct draft draft = {.name = name, .attachment = attachment};
+    struct server_record *record = NULL;
+    struct server_surface *surface = NULL;
+    bool is_written = draft_write(&draft, meshes, polygons, &control, problem);
     enum gd_status status =
-        gd_write_polygons_within(polygons, GD_FORMAT_PLY, &control, &file, &draft.size);
-    if (status) return proto_problem_from_status(problem, status, NULL);
-    draft.file = file;
-    struct server_surface *surface = draft_build(meshes->exchange, &draft, problem);
+        is_written ? draft_record(meshes->exchange, &draft, &control, &record) : GD_OK;
+    if (status) proto_problem_from_status(problem, status, NULL);
+    if (record)
+        surface = server_surface_resource_build(&monitor, record, draft.file,
+                                                attachment ? attachment->bytes : NULL, problem);
+    else if (attachment)
+        server_attachment_free(attachment, meshes->exchange->host->budget);
+    server_record_release(record);
     if (surface)
-        meshes->list[meshes->count++] = (struct server_derived_mesh){surface, file, false};
+        meshes->list[meshes->count++] = (struct server_derived_mesh){surface, draft.file, false};
     else
-        free(file);
+        free(draft.file);
     return surface != NULL;
 }
 

@@ -48,9 +48,15 @@ void server_surface_resource_reply_stored(struct server_exchange *exchange,
 /* Bytes that the daemon stores with a mesh, in a format of the code that made the mesh. Loading the
  * mesh restores them as surface->attachment. The bytes begin with a word that names the format. */
 struct server_attachment {
-    const void *bytes; /* borrowed */
-    size_t size;       /* at least 1 */
+    void *bytes; /* malloc'ed */
+    size_t size; /* at least 1; counted as SERVER_BUDGET_FLIGHT */
 };
+
+/* Allocates an attachment of zeros. On failure, returns false with the problem. */
+bool server_attachment_create(struct server_attachment *attachment, size_t size,
+                              struct server_budget *budget, struct proto_problem *problem);
+void server_attachment_free(const struct server_attachment *attachment,
+                            struct server_budget *budget);
 
 struct server_derived_mesh {
     struct server_surface *surface;
@@ -69,18 +75,14 @@ struct server_derived_meshes {        /* all zero at first */
 
 void server_derived_meshes_free(struct server_derived_meshes *meshes); /* accepts all zero */
 
-/* Builds a mesh to be stored under that name of the exchange's tenant. Borrows polygons and
- * attachment (may be NULL). Returns false with the problem in these cases: the name is invalid or
- * repeated, the polygons are not a mesh or are too large, there are more than
- * SERVER_DERIVED_MESHES_MOST meshes, or memory is short. */
+/* Builds a mesh to be stored under that name of the exchange's tenant. Borrows the polygons. Owns
+ * the bytes of the attachment (may be NULL), even when it fails. Returns false with the problem in
+ * these cases: the name is invalid or repeated, the polygons are not a mesh or are too large, there
+ * are more than SERVER_DERIVED_MESHES_MOST meshes, or memory is short. */
 bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char *name,
                                const struct gd_polygons *polygons,
                                const struct server_attachment *attachment,
                                struct proto_problem *problem);
-
-/* Copies bytes. Stops at the deadline or when cancelled. */
-GD_MUST_USE enum gd_status server_derived_mesh_copy(void *to, const void *from, size_t size,
-                                                    const struct gd_control *control);
 
 /* Stores all meshes, and replaces surfaces of the same names. Returns CREATED if all names were
  * free, otherwise REPLACED. Runs on the registry's writer thread. If server_registry_put fails,

@@ -127,34 +127,29 @@ static void meshing_release(struct server_query *query)
     gd_discretization_free(&meshing->discretization);
 }
 
-/* Adds the mesh. The attachment is then in memory twice, because the list of derived meshes stores
- * a copy. */
 static bool meshing_add(struct meshing *meshing, const struct mesher *mesher)
 {
     struct proto_problem *problem = meshing->query.problem;
     struct server_exchange *exchange = meshing->query.exchange;
     const struct server_record *record = meshing->query.surface->record;
     struct server_budget *budget = exchange->host->budget;
-    size_t size = attachment_size(mesher->format, mesher->polygons->position_count);
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, size))
-        return server_budget_refuse(budget, "the mesh", size, problem);
-    struct head *head = calloc(1, size);
     struct server_monitor monitor = {.exchange = exchange};
     const struct gd_control control = server_exchange_control(&monitor);
-    const struct server_attachment attachment = {head, size};
-    enum gd_status status = GD_NO_MEMORY;
-    if (head) {
-        memcpy(head->word, mesher->format->word, sizeof head->word);
-        strcpy(head->surface, record->name);
-        strcpy(head->etag, record->etag);
-        status = mesher->write(meshing, &control, head);
-    }
-    bool ok = status ? proto_problem_from_status(problem, status, NULL)
-                     : server_derived_meshes_add(&meshing->meshes, mesher->name, mesher->polygons,
-                                                 &attachment, problem);
-    free(head);
-    server_budget_give(budget, SERVER_BUDGET_FLIGHT, size);
-    return ok;
+    struct server_attachment attachment;
+    if (!server_attachment_create(&attachment,
+                                  attachment_size(mesher->format, mesher->polygons->position_count),
+                                  budget, problem))
+        return false;
+    struct head *head = attachment.bytes;
+    memcpy(head->word, mesher->format->word, sizeof head->word);
+    strcpy(head->surface, record->name);
+    strcpy(head->etag, record->etag);
+    enum gd_status status = mesher->write(meshing, &control, head);
+    if (!status)
+        return server_derived_meshes_add(&meshing->meshes, mesher->name, mesher->polygons,
+                                         &attachment, problem);
+    server_attachment_free(&attachment, budget);
+    return proto_problem_from_status(problem, status, NULL);
 }
 
 /* Runs on the registry's writer thread. */
@@ -254,8 +249,9 @@ static enum gd_status discretize_write(const struct meshing *meshing,
                                        const struct gd_control *control, struct head *head)
 {
     const struct gd_discretization *made = &meshing->discretization;
-    return server_derived_mesh_copy(attachment_items(&limit_format, head), made->places,
-                                    made->polygons.position_count * sizeof *made->places, control);
+    memcpy(attachment_items(&limit_format, head), made->places,
+           made->polygons.position_count * sizeof *made->places);
+    return gd_control_check(control, 0);
 }
 
 static enum server_query_turn discretize_solve(struct server_query *query)

@@ -35,8 +35,14 @@ static bool add_all(struct server_derived_meshes *making, struct proto_problem *
     memcpy(positions, order.is_flat ? flat : (double(*)[3])irrational, sizeof positions);
     struct gd_polygons polygons = {
         .positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners};
-    const struct server_attachment attachment = {numbers, sizeof numbers};
     for (uint32_t i = 0; i < order.count; i++) {
+        struct server_attachment attachment;
+        if (order.has_attachment) {
+            if (!server_attachment_create(&attachment, sizeof numbers,
+                                          making->exchange->host->budget, problem))
+                return false;
+            memcpy(attachment.bytes, numbers, sizeof numbers);
+        }
         if (!server_derived_meshes_add(making, order.names[i], &polygons,
                                        order.has_attachment ? &attachment : NULL, problem))
             return false;
