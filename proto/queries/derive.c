@@ -235,20 +235,3 @@ void proto_edits_encode(struct proto_writer *writer, const struct proto_edits *e
     }
     proto_write_array_end(writer);
 }
-
-/* --- origins ---------------------------------------------------------------------------------- */
-
-void proto_vertex_origins_encode(struct proto_writer *writer,
-                                 const struct proto_vertex_origins *origins, uint32_t fields)
-{
-    proto_write_object_begin(writer);
-    if (fields & PROTO_VERTEX_ORIGINS_FIELD_MESH)
-        proto_made_of_encode(writer, "mesh", origins->mesh, origins->etag);
-    if (fields & PROTO_VERTEX_ORIGINS_FIELD_ORIGINS) {
-        proto_member_array(writer, "origins");
-        for (uint32_t i = 0; i < origins->count; i++)
-            proto_write_numbers(writer, origins->items[i], 4);
-        proto_write_array_end(writer);
-    }
-    proto_write_object_end(writer);
-}

@@ -43,16 +43,4 @@ bool proto_edits_parse(const struct proto_parameters *parameters, struct proto_e
 /* Writes the edits as a request's array of operations. */
 void proto_edits_encode(struct proto_writer *writer, const struct proto_edits *edits);
 
-/* For each vertex the point of the original; all borrowed. */
-struct proto_vertex_origins {
-    const char *mesh, *etag; /* name ("": an upload) and version of the original */
-    const double (*items)[4];
-    uint32_t count;
-};
-
-/* Writes {"mesh": {"name", "etag"}, "origins": [[face, b0, b1, b2]…]}, only the selected
- * members. */
-void proto_vertex_origins_encode(struct proto_writer *writer,
-                                 const struct proto_vertex_origins *origins, uint32_t fields);
-
 #endif

@@ -18,24 +18,6 @@ bool proto_discretization_decode(const json_t *document, const struct gd_subdivi
     return true;
 }
 
-void proto_vertex_places_encode(struct proto_writer *writer,
-                                const struct proto_vertex_places *places, uint32_t fields)
-{
-    proto_write_object_begin(writer);
-    if (fields & PROTO_VERTEX_PLACES_FIELD_SUBDIVISION)
-        proto_made_of_encode(writer, "subdivision", places->surface, places->etag);
-    if (fields & PROTO_VERTEX_PLACES_FIELD_PLACES) {
-        proto_member_array(writer, "places");
-        for (uint32_t i = 0; i < places->count; i++) {
-            const struct gd_limit_point *place = &places->items[i];
-            proto_write_numbers(writer, (double[]){place->face, place->corner, place->u, place->v},
-                                4);
-        }
-        proto_write_array_end(writer);
-    }
-    proto_write_object_end(writer);
-}
-
 /* --- the request ------------------------------------------------------------------------------ */
 
 static bool check_resolution(const uint32_t steps[2], uint32_t max_faces,
@@ -62,35 +44,4 @@ bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
          .faces = request.has_tolerance,
          .steps = {request.resolution[0], request.resolution[1]}}};
     return true;
-}
-
-/* --- the vertices ----------------------------------------------------------------------------- */
-
-static void encode_periods(struct proto_writer *writer, const double period[2])
-{
-    proto_member_array(writer, "periods");
-    for (int k = 0; k < 2; k++) {
-        if (period[k] > 0)
-            proto_write_number(writer, period[k]);
-        else
-            proto_write_null(writer);
-    }
-    proto_write_array_end(writer);
-}
-
-void proto_vertex_parameters_encode(struct proto_writer *writer,
-                                    const struct proto_vertex_parameters *parameters,
-                                    uint32_t fields)
-{
-    proto_write_object_begin(writer);
-    if (fields & PROTO_VERTEX_PARAMETERS_FIELD_NURBS)
-        proto_made_of_encode(writer, "nurbs", parameters->surface, parameters->etag);
-    if (fields & PROTO_VERTEX_PARAMETERS_FIELD_PERIODS) encode_periods(writer, parameters->period);
-    if (fields & PROTO_VERTEX_PARAMETERS_FIELD_UV) {
-        proto_member_array(writer, "uv");
-        for (uint32_t i = 0; i < parameters->count; i++)
-            proto_write_numbers(writer, parameters->uv[i], 2);
-        proto_write_array_end(writer);
-    }
-    proto_write_object_end(writer);
 }

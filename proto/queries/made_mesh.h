@@ -21,16 +21,6 @@ bool proto_discretization_decode(const json_t *document, const struct gd_subdivi
                                  uint32_t max_faces, struct proto_discretization *out,
                                  struct proto_problem *problem);
 
-/* For each vertex of a made mesh the point of its surface; all borrowed. */
-struct proto_vertex_places {
-    const char *surface, *etag; /* name and version */
-    const struct gd_limit_point *items;
-    uint32_t count;
-};
-
-void proto_vertex_places_encode(struct proto_writer *writer,
-                                const struct proto_vertex_places *places, uint32_t fields);
-
 struct proto_tessellation {
     struct proto_name mesh;
     struct gd_tessellation_options options;
@@ -40,17 +30,5 @@ struct proto_tessellation {
  * invalid_request, too_large (with the limit). */
 bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
                                struct proto_tessellation *out, struct proto_problem *problem);
-
-/* For each vertex of a made mesh the point of its surface; all borrowed. */
-struct proto_vertex_parameters {
-    const char *surface, *etag; /* name and version */
-    double period[2];           /* periods of u and v; 0: the direction is not closed */
-    const double (*uv)[2];
-    uint32_t count;
-};
-
-void proto_vertex_parameters_encode(struct proto_writer *writer,
-                                    const struct proto_vertex_parameters *parameters,
-                                    uint32_t fields);
 
 #endif

@@ -98,16 +98,62 @@ static void lines_read(const void *source, uint64_t first, uint64_t count, void 
     }
 }
 
+static size_t type_bytes(enum server_array_type type)
+{
+    return type == SERVER_ARRAY_NUMBERS ? sizeof(double) : sizeof(uint32_t);
+}
+
+/* Copies rows of an array that is not to be read as floats. */
+static void rows_copy(const struct server_array *array, uint64_t first, uint64_t count, void *out)
+{
+    size_t row = (array->columns ? array->columns : 1) * type_bytes(array->type),
+           stride = array->stride ? array->stride : row;
+    const char *from = (const char *)array->source + first * stride;
+    if (array->read)
+        array->read(array->source, first, count, out);
+    else
+        for (uint64_t i = 0; i < count; i++) memcpy((char *)out + i * row, from + i * stride, row);
+}
+
 void server_array_copy(const struct server_array *array, void *out)
 {
-    size_t row = array->columns * sizeof(double);
-    if (array->read) {
-        array->read(array->source, 0, array->rows, out);
+    rows_copy(array, 0, array->rows, out);
+}
+
+union room {
+    double numbers[PIECE], triples[PIECE / 3][3];
+    uint32_t indices[PIECE];
+};
+
+/* Writes rows that are in `room`. */
+static void rows_encode(const struct server_array *array, const union room *room, uint64_t count,
+                        struct proto_writer *writer)
+{
+    uint32_t columns = array->columns;
+    if (columns == 3) {
+        proto_write_triples(writer, room->triples, count);
         return;
     }
-    for (uint64_t i = 0; i < array->rows; i++)
-        memcpy((char *)out + i * row,
-               (const char *)array->source + i * (array->stride ? array->stride : row), row);
+    for (uint64_t i = 0; i < count; i++)
+        if (array->type == SERVER_ARRAY_INDICES)
+            proto_write_uint(writer, room->indices[i]);
+        else if (!columns)
+            proto_write_number(writer, room->numbers[i]);
+        else
+            proto_write_numbers(writer, room->numbers + i * columns, columns);
+}
+
+void server_array_encode(const struct server_array *array, struct proto_writer *writer)
+{
+    union room room;
+    uint64_t step = PIECE / (array->columns ? array->columns : 1);
+    proto_write_array_begin(writer);
+    for (uint64_t i = 0; i < array->rows && !writer->failure; i += step) {
+        uint64_t count = array->rows - i < step ? array->rows - i : step;
+        rows_copy(array, i, count, &room);
+        rows_encode(array, &room, count, writer);
+    }
+    proto_write_array_end(writer);
 }
 
 void server_arrays_add_lines(struct server_arrays *arrays, const struct server_lines *lines)
@@ -171,11 +217,6 @@ static enum server_array_type written_type(const struct server_array *array,
                                                                             : array->type;
 }
 
-static size_t type_bytes(enum server_array_type type)
-{
-    return type == SERVER_ARRAY_NUMBERS ? sizeof(double) : sizeof(uint32_t);
-}
-
 static uint64_t array_bytes(const struct server_array *array, enum server_arrays_form form)
 {
     return array_numbers(array) * type_bytes(written_type(array, form));
@@ -220,20 +261,10 @@ static size_t indices_convert(const uint32_t *indices, size_t count, unsigned ch
     return (size_t)(at - out);
 }
 
-static void rows_gather(const struct server_array *array, uint64_t first, uint64_t count,
-                        size_t row, char *out)
-{
-    const char *from = (const char *)array->source + first * array->stride;
-    for (uint64_t i = 0; i < count; i++) memcpy(out + i * row, from + i * array->stride, row);
-}
-
 static void array_write(const struct server_array *array, enum server_arrays_form form,
                         struct crc_writer *out)
 {
-    union {
-        double numbers[PIECE];
-        uint32_t indices[PIECE];
-    } room;
+    union room room;
     unsigned char bytes[PIECE * sizeof(double)];
     enum server_array_type type = written_type(array, form);
     uint32_t columns = array->columns ? array->columns : 1;
@@ -243,11 +274,7 @@ static void array_write(const struct server_array *array, enum server_arrays_for
         uint64_t count = total - i < step ? total - i : step;
         const double *numbers = is_copied ? room.numbers : (const double *)array->source + i;
         const uint32_t *indices = is_copied ? room.indices : (const uint32_t *)array->source + i;
-        if (array->read)
-            array->read(array->source, i / columns, count / columns, &room);
-        else if (is_copied)
-            rows_gather(array, i / columns, count / columns, columns * type_bytes(array->type),
-                        (char *)&room);
+        if (is_copied) rows_copy(array, i / columns, count / columns, &room);
         crc_append(out, bytes,
                    is_index ? indices_convert(indices, count, bytes)
                             : numbers_convert(numbers, count, type, bytes));

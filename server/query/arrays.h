@@ -63,6 +63,10 @@ void server_arrays_add_member(struct server_arrays *arrays, const char *name, ui
 /* Copies the rows of an array of numbers that has columns. */
 void server_array_copy(const struct server_array *array, void *out);
 
+/* Writes the rows as JSON: an array of numbers, or of arrays of `columns` numbers. The array has at
+ * most a few columns. */
+void server_array_encode(const struct server_array *array, struct proto_writer *writer);
+
 /* --- polylines -------------------------------------------------------------------------------- */
 
 /* Points of several lines, one line after the other. */

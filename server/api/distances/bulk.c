@@ -609,57 +609,33 @@ static void nearest_read_xyz(const void *source, uint64_t first, uint64_t count,
     gd_points_positions(own->query.surface->mesh, own->list.points + first, (uint32_t)count, out);
 }
 
-static void nearest_encode_triples(const struct nearest_points_query *own,
-                                   void (*read)(const void *, uint64_t, uint64_t, void *),
-                                   const char *name, struct proto_writer *writer)
+static void nearest_points_list(const struct nearest_points_query *own,
+                                struct server_arrays *arrays)
 {
-    double room[64][3];
-    proto_write_key(writer, name);
-    proto_write_array_begin(writer);
-    for (uint32_t i = 0; i < own->list.count; i += 64) {
-        uint32_t count = own->list.count - i < 64 ? own->list.count - i : 64;
-        read(own, i, count, room);
-        proto_write_triples(writer, (const double(*)[3])room, count);
-    }
-    proto_write_array_end(writer);
-}
-
-static void nearest_points_encode(const struct server_query *query, struct proto_writer *writer)
-{
-    const struct nearest_points_query *own = (const struct nearest_points_query *)query;
-    uint32_t fields = query->options.fields;
-    proto_write_object_begin(writer);
-    if (fields & PROTO_NEAREST_POINTS_FIELD_FACES) {
-        proto_write_key(writer, "faces");
-        proto_write_array_begin(writer);
-        for (uint32_t i = 0; i < own->list.count; i++) {
-            uint32_t face;
-            nearest_read_faces(own, i, 1, &face);
-            proto_write_uint(writer, face);
-        }
-        proto_write_array_end(writer);
-    }
-    if (fields & PROTO_NEAREST_POINTS_FIELD_BARYCENTRIC)
-        nearest_encode_triples(own, nearest_read_places, "barycentric", writer);
-    if (fields & PROTO_NEAREST_POINTS_FIELD_XYZ)
-        nearest_encode_triples(own, nearest_read_xyz, "xyz", writer);
-    if (fields & PROTO_NEAREST_POINTS_FIELD_SNAP_DISTANCES) {
-        proto_write_key(writer, "snap_distances");
-        proto_write_numbers(writer, own->list.snaps, own->list.count);
-    }
-    proto_write_object_end(writer);
-}
-
-static bool nearest_points_list_arrays(struct server_query *query)
-{
-    struct nearest_points_query *own = (struct nearest_points_query *)query;
     const struct server_array all[] = {
         {"faces", SERVER_ARRAY_INDICES, 0, own->list.count, nearest_read_faces, own, 0},
         {"barycentric", SERVER_ARRAY_NUMBERS, 3, own->list.count, nearest_read_places, own, 0},
         {"xyz", SERVER_ARRAY_NUMBERS, 3, own->list.count, nearest_read_xyz, own, 0},
         {"snap_distances", SERVER_ARRAY_NUMBERS, 0, own->list.count, NULL, own->list.snaps, 0}};
     for (uint32_t i = 0; i < sizeof all / sizeof *all; i++)
-        if (query->options.fields >> i & 1) server_arrays_add(&query->arrays, &all[i]);
+        if (own->query.options.fields >> i & 1) server_arrays_add(arrays, &all[i]);
+}
+
+static void nearest_points_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    struct server_arrays arrays = {0};
+    nearest_points_list((const struct nearest_points_query *)query, &arrays);
+    proto_write_object_begin(writer);
+    for (uint32_t i = 0; i < arrays.count; i++) {
+        proto_write_key(writer, arrays.list[i].name);
+        server_array_encode(&arrays.list[i], writer);
+    }
+    proto_write_object_end(writer);
+}
+
+static bool nearest_points_list_arrays(struct server_query *query)
+{
+    nearest_points_list((const struct nearest_points_query *)query, &query->arrays);
     return true;
 }
 

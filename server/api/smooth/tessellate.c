@@ -5,7 +5,7 @@
 #include "server/api/smooth/smooth.h"
 
 #include <assert.h>
-#include <stdlib.h>
+#include <math.h>
 #include <string.h>
 
 #include "proto/queries/made_mesh.h"
@@ -40,6 +40,8 @@ struct format {
     uint32_t numbers;  /* number of numbers of a vertex */
     void (*read)(const void *item, double *out);
     const char *maker, *noun;
+    /* members of the answer: the surface, and the numbers of all vertices */
+    const char *surface, *member;
 };
 
 static void uv_read(const void *item, double *out)
@@ -53,25 +55,29 @@ static void place_read(const void *item, double *out)
     out[0] = place->face, out[1] = place->corner, out[2] = place->u, out[3] = place->v;
 }
 
+static void origin_read(const void *item, double *out)
+{
+    memcpy(out, item, 4 * sizeof *out);
+}
+
 static const struct format nurbs_format = {.word = {'n', 'u', 'r', 'b', 's', 'u', 'v', '1'},
                                            .head = sizeof(struct head),
                                            .item = 2 * sizeof(double),
                                            .numbers = 2,
                                            .read = uv_read,
                                            .maker = "tessellate",
-                                           .noun = "parameters"},
+                                           .noun = "parameters",
+                                           .surface = "nurbs",
+                                           .member = "uv"},
                            limit_format = {.word = {'l', 'i', 'm', 'i', 't', 'u', 'v', '1'},
                                            .head = offsetof(struct head, period),
                                            .item = sizeof(struct gd_limit_point),
                                            .numbers = 4,
                                            .read = place_read,
                                            .maker = "discretize",
-                                           .noun = "places"};
-
-static void origin_read(const void *item, double *out)
-{
-    memcpy(out, item, 4 * sizeof *out);
-}
+                                           .noun = "places",
+                                           .surface = "subdivision",
+                                           .member = "places"};
 
 /* The attachments of edited meshes (derived.h), which begin like a head. */
 static const struct format edit_format = {.word = {'d', 'e', 'r', 'i', 'v', 'e', 'd', '1'},
@@ -80,7 +86,9 @@ static const struct format edit_format = {.word = {'d', 'e', 'r', 'i', 'v', 'e',
                                           .numbers = 4,
                                           .read = origin_read,
                                           .maker = "derive",
-                                          .noun = "origins"};
+                                          .noun = "origins",
+                                          .surface = "mesh",
+                                          .member = "origins"};
 
 static_assert(offsetof(struct server_derived, mesh) == offsetof(struct head, surface) &&
                   offsetof(struct server_derived, etag) == offsetof(struct head, etag),
@@ -318,60 +326,65 @@ static void reading_read(const void *source, uint64_t first, uint64_t count, voi
         format->read(item, at);
 }
 
+static struct server_array reading_array(const struct reading *reading)
+{
+    const struct format *format = reading->query.kind->own;
+    return (struct server_array){.name = format->noun,
+                                 .type = SERVER_ARRAY_NUMBERS,
+                                 .columns = format->numbers,
+                                 .rows = reading->count,
+                                 .read = reading_read,
+                                 .source = reading};
+}
+
 static bool reading_list_arrays(struct server_query *query)
+{
+    const struct server_array array = reading_array((const struct reading *)query);
+    server_arrays_add(&query->arrays, &array);
+    return true;
+}
+
+/* The first members of all three answers have the same bits. */
+#define FIELD_SURFACE 1u
+#define FIELD_NUMBERS 2u
+static_assert(PROTO_VERTEX_PARAMETERS_FIELD_NURBS == FIELD_SURFACE &&
+                  PROTO_VERTEX_PLACES_FIELD_SUBDIVISION == FIELD_SURFACE &&
+                  PROTO_VERTEX_ORIGINS_FIELD_MESH == FIELD_SURFACE &&
+                  PROTO_VERTEX_PLACES_FIELD_PLACES == FIELD_NUMBERS &&
+                  PROTO_VERTEX_ORIGINS_FIELD_ORIGINS == FIELD_NUMBERS,
+              "the surface is the first member");
+
+static void reading_encode(const struct server_query *query, struct proto_writer *writer)
 {
     const struct reading *reading = (const struct reading *)query;
     const struct format *format = query->kind->own;
-    server_arrays_add(&query->arrays, &(struct server_array){.name = format->noun,
-                                                             .type = SERVER_ARRAY_NUMBERS,
-                                                             .columns = format->numbers,
-                                                             .rows = reading->count,
-                                                             .read = reading_read,
-                                                             .source = reading});
-    return true;
+    const struct server_array array = reading_array(reading);
+    bool is_nurbs = format == &nurbs_format;
+    uint32_t fields = query->options.fields,
+             last = is_nurbs ? PROTO_VERTEX_PARAMETERS_FIELD_UV : FIELD_NUMBERS;
+    proto_write_object_begin(writer);
+    if (fields & FIELD_SURFACE)
+        proto_made_of_encode(writer, format->surface, reading->head->surface, reading->head->etag);
+    if (is_nurbs && fields & PROTO_VERTEX_PARAMETERS_FIELD_PERIODS) {
+        const double *period = reading->head->period;
+        const double periods[2] = {period[0] > 0 ? period[0] : NAN,
+                                   period[1] > 0 ? period[1] : NAN};
+        proto_member_numbers(writer, "periods", periods, 2);
+    }
+    if (fields & last) {
+        proto_write_key(writer, format->member);
+        server_array_encode(&array, writer);
+    }
+    proto_write_object_end(writer);
 }
 
 #define READING_STEPS                                                                              \
     .size = sizeof(struct reading), .parse = reading_parse, .solve = reading_solve,                \
-    .has_bytes = true, .list_arrays = reading_list_arrays
-
-static void parameters_encode(const struct server_query *query, struct proto_writer *writer)
-{
-    const struct reading *reading = (const struct reading *)query;
-    const struct head *head = reading->head;
-    const struct proto_vertex_parameters out = {.surface = head->surface,
-                                                .etag = head->etag,
-                                                .period = {head->period[0], head->period[1]},
-                                                .uv = attachment_items(&nurbs_format, head),
-                                                .count = reading->count};
-    proto_vertex_parameters_encode(writer, &out, query->options.fields);
-}
+    .encode = reading_encode, .has_bytes = true, .list_arrays = reading_list_arrays
 
 const struct server_query_kind server_query_get_mesh_parameters = {
-    .name = "parameters", .own = &nurbs_format, .encode = parameters_encode, READING_STEPS};
-
-static void places_encode(const struct server_query *query, struct proto_writer *writer)
-{
-    const struct reading *reading = (const struct reading *)query;
-    const struct proto_vertex_places out = {.surface = reading->head->surface,
-                                            .etag = reading->head->etag,
-                                            .items = attachment_items(&limit_format, reading->head),
-                                            .count = reading->count};
-    proto_vertex_places_encode(writer, &out, query->options.fields);
-}
-
+    .name = "parameters", .own = &nurbs_format, READING_STEPS};
 const struct server_query_kind server_query_get_mesh_places = {
-    .name = "places", .own = &limit_format, .encode = places_encode, READING_STEPS};
-
-static void origins_encode(const struct server_query *query, struct proto_writer *writer)
-{
-    const struct reading *reading = (const struct reading *)query;
-    const struct proto_vertex_origins out = {.mesh = reading->head->surface,
-                                             .etag = reading->head->etag,
-                                             .items = attachment_items(&edit_format, reading->head),
-                                             .count = reading->count};
-    proto_vertex_origins_encode(writer, &out, query->options.fields);
-}
-
+    .name = "places", .own = &limit_format, READING_STEPS};
 const struct server_query_kind server_query_get_mesh_origins = {
-    .name = "origins", .own = &edit_format, .encode = origins_encode, READING_STEPS};
+    .name = "origins", .own = &edit_format, READING_STEPS};

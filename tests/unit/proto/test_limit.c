@@ -196,13 +196,6 @@ static void discretizations(void **state)
                 strcmp(wanted.mesh.text, "m") == 0);
     json_decref(document);
     gd_subdivision_release(surface);
-    const struct gd_limit_point items[] = {{0, 2, 0.5, 1}};
-    const struct proto_vertex_places told = {
-        .surface = "s", .etag = "e", .items = items, .count = 1};
-    struct proto_writer writer = new_writer();
-    proto_vertex_places_encode(&writer, &told, UINT32_MAX);
-    assert_written(&writer,
-                   "{\"subdivision\":{\"name\":\"s\",\"etag\":\"e\"},\"places\":[[0,2,0.5,1]]}");
 }
 
 int main(void)

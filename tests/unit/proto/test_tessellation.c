@@ -58,27 +58,12 @@ static void too_many_faces(void **state)
     assert_string_equal(problem.pointer, "/resolution");
 }
 
-static void encodes_places(void **state)
-{
-    static const double uv[2][2] = {{0, 0.5}, {1, 0.25}};
-    const struct proto_vertex_parameters parameters = {"torus", "tag", {1, 0}, uv, 2};
-    struct proto_writer writer = new_writer();
-    (void)state;
-    proto_vertex_parameters_encode(&writer, &parameters, UINT32_MAX);
-    assert_written(&writer, "{\"nurbs\":{\"name\":\"torus\",\"etag\":\"tag\"},\"periods\":[1,null],"
-                            "\"uv\":[[0,0.5],[1,0.25]]}");
-    writer = new_writer();
-    proto_vertex_parameters_encode(&writer, &parameters, PROTO_VERTEX_PARAMETERS_FIELD_PERIODS);
-    assert_written(&writer, "{\"periods\":[1,null]}");
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(requests_are_read),
         cmocka_unit_test(errors_have_pointers),
         cmocka_unit_test(too_many_faces),
-        cmocka_unit_test(encodes_places),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
