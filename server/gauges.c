@@ -52,7 +52,8 @@ static void write_surfaces(struct server *server, struct proto_writer *writer)
     struct server_registry_statistics registry = server_registry_statistics(server->api.registry);
     const struct server_metric values[] = {
         {"workers_background", "Threads at work on landmarks and previews.",
-         landmarks.is_building + server_previews_are_building(server->api.previews)},
+         server_background_is_busy(server->api.landmarks) +
+             server_background_is_busy(server->api.previews)},
         {"cache_hits_total", "Look-ups that found a field of the source.", (double)cache.hits},
         {"cache_misses_total", "Look-ups that found no field.", (double)cache.misses},
         {"cache_builds_total", "Builds of fields that were begun.", (double)cache.builds},

@@ -40,15 +40,15 @@ void server_surfaces_destroy(struct server *server)
 {
     struct server_api *api = &server->api;
     server_scrub_destroy(server->scrub);
-    server_landmarks_stop(api->landmarks);
-    server_previews_stop(api->previews);
+    server_background_stop(api->landmarks);
+    server_background_stop(api->previews);
     server_loader_destroy(api->loader);
     server_workers_destroy(api->writer);
     server_workers_destroy(api->lister);
     server_registry_destroy(api->registry);
     server_discretizations_destroy(api->discretizations);
-    server_landmarks_destroy(api->landmarks);
-    server_previews_destroy(api->previews);
+    server_background_destroy(api->landmarks);
+    server_background_destroy(api->previews);
     server_field_store_close(server->field_store);
     server_cache_destroy(api->cache);
 }
@@ -345,8 +345,8 @@ static void state_persist(struct server *server)
     server_scrub_destroy(server->scrub);
     server->scrub = NULL;
     server_loader_stop(server->api.loader);
-    server_landmarks_stop(server->api.landmarks);
-    server_previews_stop(server->api.previews);
+    server_background_stop(server->api.landmarks);
+    server_background_stop(server->api.previews);
     server_registry_note_uses(server->api.registry);
     if (server->config.persist_fields)
         server_field_store_save(server->field_store, server->api.registry,

@@ -25,8 +25,8 @@ struct server_api {
     struct server_workers *lister; /* one thread, for long lists */
     struct server_cache *cache;
     struct server_loader *loader;
-    struct server_landmarks *landmarks; /* NULL means disabled */
-    struct server_previews *previews;
+    struct server_background *landmarks; /* NULL means disabled */
+    struct server_background *previews;
     struct server_discretizations *discretizations;
     struct server_job_table *jobs;
     struct server_batch_runner *batches;

@@ -1,5 +1,7 @@
 #include "server/surfaces/background.h"
 
+#include <stdlib.h>
+
 #include "server/base/thread.h"
 
 #define REST_NS UINT64_C(10000000) /* pause after a step; a step takes about a millisecond */
@@ -86,6 +88,7 @@ bool server_background_queue(struct server_background *background,
 
 bool server_background_is_busy(struct server_background *background)
 {
+    if (!background) return false;
     SERVER_LOCK(&background->lru.lock);
     return background->building || !LIST_EMPTY(&background->waiting);
 }
@@ -105,22 +108,27 @@ void server_background_slot_close(struct server_background_slot *slot)
     server_lru_release(item);
 }
 
-bool server_background_start(struct server_background *background)
+struct server_background *server_background_start(struct server_background *background)
 {
     background->lru.budget = server_workspaces_budget(background->parts.workspaces);
     server_lru_begin(&background->lru);
     background->thread = server_thread_start(background_run, background);
-    return background->thread != NULL;
+    if (background->thread) return background;
+    server_background_destroy(background);
+    return NULL;
 }
 
 void server_background_stop(struct server_background *background)
 {
+    if (!background) return;
     server_thread_stop(background->thread);
     background->thread = NULL;
 }
 
-void server_background_end(struct server_background *background)
+void server_background_destroy(struct server_background *background)
 {
+    if (!background) return;
     server_background_stop(background);
     server_lru_end(&background->lru);
+    free(background);
 }

@@ -47,10 +47,13 @@ struct server_background { /* the owner sets the first members */
     struct server_background_slot *building;
 };
 
-/* Starts the thread. Returns false if there is no memory or no thread. */
-bool server_background_start(struct server_background *background);
+/* Starts the thread of a background that calloc has allocated, perhaps within a larger struct.
+ * Returns the background; or, if there is no thread, frees it and returns NULL. */
+struct server_background *server_background_start(struct server_background *background);
+
+/* Stops the thread, after the last request. NULL is allowed, also in the next two functions. */
 void server_background_stop(struct server_background *background);
-void server_background_end(struct server_background *background); /* stops it first */
+void server_background_destroy(struct server_background *background); /* stops it first */
 
 /* Under the lock: queues a slot without a result. If it returns true, the caller must wake the
  * thread. */

@@ -117,26 +117,25 @@ static void set_on_end(const struct server_build *build, bool is_kept)
 
 /* --- finding ---------------------------------------------------------------------------------- */
 
-struct server_landmark_set *server_landmarks_find(struct server_landmarks *landmarks,
+struct server_landmark_set *server_landmarks_find(struct server_background *landmarks,
                                                   struct server_surface *surface)
 {
     struct server_landmark_slot *slot = &surface->landmarks;
     if (!landmarks || gd_mesh_summary(surface->mesh)->faces < LEAST_FACES ||
         atomic_load(&slot->base.is_closed))
         return NULL;
-    struct server_background *background = &landmarks->background;
-    atomic_store(&slot->base.owner, background);
-    pthread_mutex_lock(&background->lru.lock);
+    atomic_store(&slot->base.owner, landmarks);
+    pthread_mutex_lock(&landmarks->lru.lock);
     struct server_lru_item *item = server_lru_get(&slot->base.item);
     bool is_queued = !item && gd_now_ns() >= slot->not_before_ns &&
-                     server_background_queue(background, &slot->base);
-    pthread_mutex_unlock(&background->lru.lock);
-    if (is_queued) server_thread_wake(background->thread);
+                     server_background_queue(landmarks, &slot->base);
+    pthread_mutex_unlock(&landmarks->lru.lock);
+    if (is_queued) server_thread_wake(landmarks->thread);
     return (struct server_landmark_set *)item;
 }
 
-struct server_landmarks *server_landmarks_create(const struct server_background_parts *parts,
-                                                 struct server_metrics *metrics, uint32_t count)
+struct server_background *server_landmarks_create(const struct server_background_parts *parts,
+                                                  struct server_metrics *metrics, uint32_t count)
 {
     struct server_landmarks *landmarks = calloc(1, sizeof *landmarks);
     if (!landmarks) return NULL;
@@ -149,29 +148,12 @@ struct server_landmarks *server_landmarks_create(const struct server_background_
                                                        .ended = set_on_end};
     landmarks->metrics = metrics;
     landmarks->count = count;
-    if (server_background_start(&landmarks->background)) return landmarks;
-    server_landmarks_destroy(landmarks);
-    return NULL;
+    return server_background_start(&landmarks->background);
 }
 
-void server_landmarks_stop(struct server_landmarks *landmarks)
+struct server_landmarks_statistics server_landmarks_statistics(struct server_background *landmarks)
 {
-    if (landmarks) server_background_stop(&landmarks->background);
-}
-
-void server_landmarks_destroy(struct server_landmarks *landmarks)
-{
-    if (landmarks) server_background_end(&landmarks->background);
-    free(landmarks);
-}
-
-struct server_landmarks_statistics server_landmarks_statistics(struct server_landmarks *landmarks)
-{
-    struct server_landmarks_statistics statistics = {0};
-    if (!landmarks) return statistics;
-    bool is_building = server_background_is_busy(&landmarks->background);
-    SERVER_LOCK(&landmarks->background.lru.lock);
-    statistics = landmarks->statistics;
-    statistics.is_building = is_building;
-    return statistics;
+    if (!landmarks) return (struct server_landmarks_statistics){0};
+    SERVER_LOCK(&landmarks->lru.lock);
+    return ((struct server_landmarks *)landmarks)->statistics;
 }

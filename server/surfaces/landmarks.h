@@ -23,25 +23,20 @@ struct server_landmark_set {
 
 /* Starts the thread. It builds `count` landmarks for each mesh. Returns NULL if there is no memory
  * or no thread. */
-struct server_landmarks *server_landmarks_create(const struct server_background_parts *parts,
-                                                 struct server_metrics *metrics, uint32_t count);
-
-/* Stops the thread, after the last search. NULL is allowed. */
-void server_landmarks_stop(struct server_landmarks *landmarks);
-void server_landmarks_destroy(struct server_landmarks *landmarks); /* NULL is allowed */
+struct server_background *server_landmarks_create(const struct server_background_parts *parts,
+                                                  struct server_metrics *metrics, uint32_t count);
 
 /* Returns the surface's set, which the caller releases. If there is none, returns NULL, and queues
  * a build unless the mesh is small or memory is short. Also returns NULL if `landmarks` is NULL.
  * Cost: tens of nanoseconds. */
-struct server_landmark_set *server_landmarks_find(struct server_landmarks *landmarks,
+struct server_landmark_set *server_landmarks_find(struct server_background *landmarks,
                                                   struct server_surface *surface);
 void server_landmark_set_release(struct server_landmark_set *set); /* NULL is allowed */
 
 struct server_landmarks_statistics {
     uint64_t built, loaded, dropped; /* sets */
-    bool is_building;                /* true if a set is being built, or a slot is queued */
 };
 /* Returns zeros if `landmarks` is NULL. */
-struct server_landmarks_statistics server_landmarks_statistics(struct server_landmarks *landmarks);
+struct server_landmarks_statistics server_landmarks_statistics(struct server_background *landmarks);
 
 #endif

@@ -95,33 +95,32 @@ static void preview_on_end(const struct server_build *build, bool is_kept)
 
 /* --- finding ---------------------------------------------------------------------------------- */
 
-enum gd_status server_previews_find(struct server_previews *previews,
+enum gd_status server_previews_find(struct server_background *previews,
                                     struct server_surface *surface, uint32_t faces,
                                     struct server_preview **out, double *progress)
 {
-    struct server_background *background = &previews->background;
     struct server_preview_slot *slot = &surface->preview;
-    atomic_store(&slot->base.owner, background);
-    pthread_mutex_lock(&background->lru.lock);
+    atomic_store(&slot->base.owner, previews);
+    pthread_mutex_lock(&previews->lru.lock);
     enum gd_status status = slot->failure;
     struct server_preview *found = (struct server_preview *)slot->base.item;
     bool is_found = found && found->wanted == faces,
-         is_queued = !is_found && !status && server_background_queue(background, &slot->base);
+         is_queued = !is_found && !status && server_background_queue(previews, &slot->base);
     slot->failure = GD_OK;
     if (is_found) (void)server_lru_get(&slot->base.item);
     if (is_queued) {
         slot->wanted = faces;
         atomic_store(&slot->base.progress, 0);
     }
-    pthread_mutex_unlock(&background->lru.lock);
-    if (is_queued) server_thread_wake(background->thread);
+    pthread_mutex_unlock(&previews->lru.lock);
+    if (is_queued) server_thread_wake(previews->thread);
     if (status && !is_found) return status;
     *out = is_found ? found : NULL;
     *progress = atomic_load(&slot->base.progress) / (double)SERVER_BACKGROUND_DONE;
     return GD_OK;
 }
 
-void server_previews_expect(struct server_previews *previews, struct server_surface *surface)
+void server_previews_expect(struct server_background *previews, struct server_surface *surface)
 {
     struct server_preview *preview = NULL;
     double progress;
@@ -132,7 +131,7 @@ void server_previews_expect(struct server_previews *previews, struct server_surf
         server_preview_release(preview);
 }
 
-struct server_previews *server_previews_create(const struct server_background_parts *parts)
+struct server_background *server_previews_create(const struct server_background_parts *parts)
 {
     struct server_previews *previews = calloc(1, sizeof *previews);
     if (!previews) return NULL;
@@ -142,23 +141,5 @@ struct server_previews *server_previews_create(const struct server_background_pa
                                                       .parts = *parts,
                                                       .make = preview_read_or_make,
                                                       .ended = preview_on_end};
-    if (server_background_start(&previews->background)) return previews;
-    server_previews_destroy(previews);
-    return NULL;
-}
-
-void server_previews_stop(struct server_previews *previews)
-{
-    if (previews) server_background_stop(&previews->background);
-}
-
-void server_previews_destroy(struct server_previews *previews)
-{
-    if (previews) server_background_end(&previews->background);
-    free(previews);
-}
-
-bool server_previews_are_building(struct server_previews *previews)
-{
-    return previews && server_background_is_busy(&previews->background);
+    return server_background_start(&previews->background);
 }

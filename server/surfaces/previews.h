@@ -26,24 +26,17 @@ struct server_preview {
 };
 
 /* Starts the thread. Returns NULL if there is no memory or no thread. */
-struct server_previews *server_previews_create(const struct server_background_parts *parts);
-
-/* Stops the thread, after the last request. NULL is allowed. */
-void server_previews_stop(struct server_previews *previews);
-void server_previews_destroy(struct server_previews *previews); /* NULL is allowed */
+struct server_background *server_previews_create(const struct server_background_parts *parts);
 
 /* Finds the preview with that number of faces. Returns GD_OK with the preview, which the caller
  * releases. If there is none yet, queues its build, unless that is already queued, and returns
  * GD_OK with NULL and the progress of the build. If the last build failed, returns its error. */
-GD_MUST_USE enum gd_status server_previews_find(struct server_previews *previews,
+GD_MUST_USE enum gd_status server_previews_find(struct server_background *previews,
                                                 struct server_surface *surface, uint32_t faces,
                                                 struct server_preview **out, double *progress);
 void server_preview_release(struct server_preview *preview); /* NULL is allowed */
 
 /* Called after an upload: queues the preview of a large mesh. */
-void server_previews_expect(struct server_previews *previews, struct server_surface *surface);
-
-/* Returns true while a preview is being made or read; false if `previews` is NULL. */
-bool server_previews_are_building(struct server_previews *previews);
+void server_previews_expect(struct server_background *previews, struct server_surface *surface);
 
 #endif

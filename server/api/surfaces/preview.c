@@ -133,7 +133,7 @@ static void progress_reply(struct server_exchange *exchange, double progress)
 /* Finds the preview. Returns false after replying with a problem or with the progress. */
 static bool find(struct server_exchange *exchange, struct preview_request *request)
 {
-    struct server_previews *previews = exchange->host->api->previews;
+    struct server_background *previews = exchange->host->api->previews;
     struct proto_problem problem;
     double progress = 0;
     if (gd_mesh_summary(request->surface->mesh)->faces <= request->faces) return true;

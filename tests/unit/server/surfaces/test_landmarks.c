@@ -45,7 +45,7 @@ static struct server_surface *put_sphere(uint32_t level)
     return made;
 }
 
-static struct server_landmarks *create_landmarks(uint32_t count)
+static struct server_background *create_landmarks(uint32_t count)
 {
     const struct server_background_parts parts = {.workers = server.host.workers,
                                                   .workspaces = server.host.workspaces,
@@ -75,7 +75,7 @@ static int set_up(void **state)
 
 static bool is_building(void)
 {
-    return server_landmarks_statistics(server.api.landmarks).is_building;
+    return server_background_is_busy(server.api.landmarks);
 }
 
 static void wait_for_background(void)
@@ -87,10 +87,10 @@ static int tear_down(void **state)
 {
     (void)state;
     server_workers_cancel(server.host.workers);
-    server_landmarks_stop(server.api.landmarks);
+    server_background_stop(server.api.landmarks);
     server_surface_release(surface);
     server_registry_destroy(server.api.registry);
-    server_landmarks_destroy(server.api.landmarks);
+    server_background_destroy(server.api.landmarks);
     server_field_store_close(server.field_store);
     server_cache_destroy(server.api.cache);
     server_workers_destroy(server.host.workers);
@@ -338,7 +338,7 @@ static void a_changed_number_of_landmarks_causes_a_rebuild(void **state)
     (void)state;
     server_landmark_set_release(await(surface));
     reload_with_file();
-    server_landmarks_destroy(server.api.landmarks);
+    server_background_destroy(server.api.landmarks);
     server.api.landmarks = create_landmarks(2);
     struct server_landmark_set *set = await(surface);
     assert_int_equal(gd_landmarks_count(set->landmarks), 2);

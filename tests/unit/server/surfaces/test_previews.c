@@ -63,10 +63,10 @@ static int tear_down(void **state)
 {
     (void)state;
     server_workers_cancel(server.host.workers);
-    server_previews_stop(server.api.previews);
+    server_background_stop(server.api.previews);
     server_surface_release(surface);
     server_registry_destroy(server.api.registry);
-    server_previews_destroy(server.api.previews);
+    server_background_destroy(server.api.previews);
     server_field_store_close(server.field_store);
     server_cache_destroy(server.api.cache);
     server_workers_destroy(server.host.workers);
@@ -111,7 +111,7 @@ static void reclaim(size_t bytes)
 
 static void wait_for_background(void)
 {
-    while (server_previews_are_building(server.api.previews)) sched_yield();
+    while (server_background_is_busy(server.api.previews)) sched_yield();
 }
 
 static void the_preview_is_built_in_the_background_and_counted(void **state)
@@ -175,10 +175,10 @@ static void small_meshes_get_no_preview(void **state)
     (void)state;
     server_previews_expect(server.api.previews, surface);
     assert_false(surface->preview.base.is_coming);
-    assert_false(server_previews_are_building(server.api.previews));
-    assert_false(server_previews_are_building(NULL));
-    server_previews_stop(NULL);
-    server_previews_destroy(NULL);
+    assert_false(server_background_is_busy(server.api.previews));
+    assert_false(server_background_is_busy(NULL));
+    server_background_stop(NULL);
+    server_background_destroy(NULL);
     server_preview_release(NULL);
 }
 
