@@ -3,8 +3,8 @@
 
 # Rooms (folders of the engine) of each library, in order of rank: see engine/README.md.
 # ROOMS="base io" builds only these rooms.
-ROOMS_geodesic        := base mesh io repair construction window kernel guide wavefront field line \
-                         query
+ROOMS_geodesic        := base mesh io plane repair construction window kernel guide wavefront field \
+                         line query
 ROOMS_geodesic-tools  := transport render edit cut
 ROOMS_geodesic-smooth := subdiv loops nurbs
 # The first library is the core. The others use only the core, so it comes last for the linker.

@@ -19,7 +19,7 @@ import sys
 
 # The rooms of the engine with their ranks. A gd/ header has the rank of the room that implements
 # it.
-ENGINE = {"base": 0, "mesh": 1, "io": 1, "repair": 2, "construction": 3, "window": 2, "kernel": 3, "guide": 4, "wavefront": 5, "field": 6, "line": 7, "query": 8,
+ENGINE = {"base": 0, "mesh": 1, "io": 1, "repair": 2, "construction": 3, "window": 2, "plane": 2, "kernel": 3, "guide": 4, "wavefront": 5, "field": 6, "line": 7, "query": 8,
           "transport": 9, "render": 9, "edit": 9, "cut": 10, "subdiv": 10, "loops": 9, "nurbs": 10, "umbrella": 11}
 PUBLIC = {
     "base": ["language", "status", "vec", "control", "executor", "polygons", "number", "colour_map"],

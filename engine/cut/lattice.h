@@ -1,21 +1,17 @@
-/* Lattice: integer places in a face, so that every orientation test is exact.
+/* Lattice: sites in a face.
  *
- * A site holds the barycentric coordinates of corners 1 and 2 of the face (mesh/topology.h) in
- * units of 2^-50. Barycentric coordinates are an affine map of the face, so three points have the
- * same orientation as in the face. Points of the face's sides are exactly on the sides; for
- * example, the coordinates of a point on side 1 sum to GD__LATTICE. Determinants of 51-bit
- * differences fit into 128 bits. */
+ * A site (plane/site.h) holds the barycentric coordinates of corners 1 and 2 of the face
+ * (mesh/topology.h) in units of 2^-50. Barycentric coordinates are an affine map of the face, so
+ * three points have the same orientation as in the face. Points of the face's sides are exactly on
+ * the sides; for example, the coordinates of a point on side 1 sum to GD__LATTICE. */
 #ifndef GD_CUT_LATTICE_H
 #define GD_CUT_LATTICE_H
 
 #include <math.h>
-#include <stdint.h>
+
+#include "plane/site.h"
 
 #define GD__LATTICE (INT64_C(1) << 50)
-
-struct gd__site {
-    int64_t u, v;
-};
 
 static inline int64_t gd__to_lattice(double weight)
 {
@@ -25,28 +21,6 @@ static inline int64_t gd__to_lattice(double weight)
 static inline double gd__from_lattice(int64_t part)
 {
     return (double)part / (double)GD__LATTICE; /* this division is exact */
-}
-
-/* Returns twice the signed area of a, b, c, exactly. */
-static inline __int128 gd__site_area(struct gd__site a, struct gd__site b, struct gd__site c)
-{
-    return (__int128)(b.u - a.u) * (c.v - a.v) - (__int128)(b.v - a.v) * (c.u - a.u);
-}
-
-/* Returns the orientation of a, b, c: 1 for counter-clockwise, -1 for clockwise, 0 for
- * collinear. */
-static inline int gd__site_turn(struct gd__site a, struct gd__site b, struct gd__site c)
-{
-    __int128 area = gd__site_area(a, b, c);
-    return (area > 0) - (area < 0);
-}
-
-/* Returns true if segments a-b and c-d cross at a point that is not an end of either segment. */
-static inline int gd__sites_cross(struct gd__site a, struct gd__site b, struct gd__site c,
-                                  struct gd__site d)
-{
-    return gd__site_turn(a, b, c) * gd__site_turn(a, b, d) < 0 &&
-           gd__site_turn(c, d, a) * gd__site_turn(c, d, b) < 0;
 }
 
 #endif

@@ -114,8 +114,9 @@ static enum gd_status gather_sites(struct refining *refining, uint32_t face)
     }
     status = gd__planar_begin(&refining->planar, count);
     for (uint32_t s = 0; s < count && !status; s++) {
-        refining->planar.sites[s] = gd__node_site(nodes, face, refining->site_node[s]);
-        refining->planar.places[s] = gd__site_local(nodes->mesh, face, refining->planar.sites[s]);
+        refining->planar.plane.sites[s] = gd__node_site(nodes, face, refining->site_node[s]);
+        refining->planar.places[s] =
+            gd__site_local(nodes->mesh, face, refining->planar.plane.sites[s]);
     }
     return status;
 }
@@ -134,8 +135,8 @@ static enum gd_status draw_segments(struct refining *refining, uint32_t face)
     for (uint32_t s = refining->arrangement->of_face[face]; s != GD_NONE && !status;
          s = segments[s].next) {
         if (!refining->seam->is_cutting[s]) continue;
-        status = gd__planar_fix(&refining->planar, site_of(refining, segments[s].a),
-                                site_of(refining, segments[s].b));
+        status = gd__plane_fix(&refining->planar.plane, site_of(refining, segments[s].a),
+                               site_of(refining, segments[s].b));
     }
     return status;
 }
@@ -167,7 +168,7 @@ static uint32_t cut_refine_piece_of(const struct refining *refining, uint32_t fa
  * face's border. */
 static void join_in_face(struct refining *refining, uint32_t face, uint32_t i)
 {
-    const struct gd__planar_triangle *triangles = refining->planar.triangles;
+    const struct gd__plane_triangle *triangles = refining->planar.plane.triangles;
     uint32_t first = refining->refined.of_face[face];
     for (uint32_t k = 0; k < 3; k++) {
         uint32_t other = triangles[i].across[k];
@@ -186,21 +187,19 @@ static enum gd_status cut_refine_triangulate(struct refining *refining, uint32_t
 {
     enum gd_status status = gather_sites(refining, face);
     if (!status) status = gd__planar_triangulate(&refining->planar);
-    /* after this, most segments are already sides */
-    if (!status) gd__planar_improve(&refining->planar);
     if (!status) status = draw_segments(refining, face);
-    if (!status) gd__planar_improve(&refining->planar);
+    if (!status) gd__plane_improve(&refining->planar.plane);
     return status;
 }
 
 /* Returns true if the triangles tile the face: their exact areas sum to the face's area. */
-static bool is_whole(const struct gd__planar *planar)
+static bool is_whole(const struct gd__plane *plane)
 {
     __int128 area = 0;
-    for (uint32_t i = 0; i < planar->triangle_count; i++) {
-        const uint32_t *corner = planar->triangles[i].corner;
-        __int128 part = gd__site_area(planar->sites[corner[0]], planar->sites[corner[1]],
-                                      planar->sites[corner[2]]);
+    for (uint32_t i = 0; i < plane->triangle_count; i++) {
+        const uint32_t *corner = plane->triangles[i].corner;
+        __int128 part = gd__site_area(plane->sites[corner[0]], plane->sites[corner[1]],
+                                      plane->sites[corner[2]]);
         if (part <= 0) return false;
         area += part;
     }
@@ -211,15 +210,16 @@ static enum gd_status split_face(struct refining *refining, uint32_t face)
 {
     enum gd_status status = cut_refine_triangulate(refining, face);
     if (status) return status;
-    if (!is_whole(&refining->planar)) return GD_INTERNAL;
+    if (!is_whole(&refining->planar.plane)) return GD_INTERNAL;
     bool has_flat = false;
-    for (uint32_t i = 0; i < refining->planar.triangle_count; i++) {
-        const uint32_t *corner = refining->planar.triangles[i].corner;
+    for (uint32_t i = 0; i < refining->planar.plane.triangle_count; i++) {
+        const uint32_t *corner = refining->planar.plane.triangles[i].corner;
         uint32_t node[3];
         for (int k = 0; k < 3; k++) node[k] = refining->site_node[corner[k]];
         has_flat |= is_flat(&refining->refined, cut_refine_add(&refining->refined, face, node));
     }
-    for (uint32_t i = 0; i < refining->planar.triangle_count; i++) join_in_face(refining, face, i);
+    for (uint32_t i = 0; i < refining->planar.plane.triangle_count; i++)
+        join_in_face(refining, face, i);
     return has_flat ? GD_RUNAWAY : GD_OK;
 }
 

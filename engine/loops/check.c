@@ -11,7 +11,7 @@
 static const double longest = 0.02;
 
 struct segment {
-    struct gd__lattice_node a, b;
+    struct gd__site a, b;
     int64_t low, high;            /* range of x */
     uint32_t loop, sample, count; /* begins at number `sample` of the loop's `count` samples */
 };
@@ -25,19 +25,19 @@ static int by_low(const void *x, const void *y)
 /* Returns true if two closed segments have a point in common. */
 static bool segments_touch(const struct segment *p, const struct segment *q)
 {
-    if (fmax(p->a.y, p->b.y) < fmin(q->a.y, q->b.y) || fmax(q->a.y, q->b.y) < fmin(p->a.y, p->b.y))
+    if (fmax(p->a.v, p->b.v) < fmin(q->a.v, q->b.v) || fmax(q->a.v, q->b.v) < fmin(p->a.v, p->b.v))
         return false;
-    int a = gd__lattice_turn(p->a, p->b, q->a), b = gd__lattice_turn(p->a, p->b, q->b);
-    int c = gd__lattice_turn(q->a, q->b, p->a), d = gd__lattice_turn(q->a, q->b, p->b);
+    int a = gd__site_turn(p->a, p->b, q->a), b = gd__site_turn(p->a, p->b, q->b);
+    int c = gd__site_turn(q->a, q->b, p->a), d = gd__site_turn(q->a, q->b, p->b);
     return a * b <= 0 && c * d <= 0 && (a || b || (p->high >= q->low && q->high >= p->low));
 }
 
 /* Returns true if the next segment of the loop folds back onto this one. */
 static bool folds_back(const struct segment *p, const struct segment *next)
 {
-    if (gd__lattice_turn(p->a, p->b, next->b)) return false;
-    __int128 dot = (__int128)(p->b.x - p->a.x) * (next->b.x - next->a.x) +
-                   (__int128)(p->b.y - p->a.y) * (next->b.y - next->a.y);
+    if (gd__site_turn(p->a, p->b, next->b)) return false;
+    __int128 dot = (__int128)(p->b.u - p->a.u) * (next->b.u - next->a.u) +
+                   (__int128)(p->b.v - p->a.v) * (next->b.v - next->a.v);
     return dot < 0;
 }
 
@@ -104,8 +104,8 @@ static enum gd_status check_crossings(const struct gd__loops *loops, struct gd__
             struct segment s = {.loop = i, .sample = k, .count = count};
             s.a = gd__lattice_round(&lattice, samples->at[first + k]);
             s.b = gd__lattice_round(&lattice, samples->at[first + (k + 1) % count]);
-            s.low = s.a.x < s.b.x ? s.a.x : s.b.x;
-            s.high = s.a.x < s.b.x ? s.b.x : s.a.x;
+            s.low = s.a.u < s.b.u ? s.a.u : s.b.u;
+            s.high = s.a.u < s.b.u ? s.b.u : s.a.u;
             segments[first + k] = s;
         }
     }

@@ -1,8 +1,6 @@
-/* Triangulation: constrained Delaunay triangulation of points in the parameter plane. The segments
- * of closed loops are edges of it.
- *
- * Source: S. W. Sloan, "A fast algorithm for generating constrained Delaunay triangulations", 1993.
- * Points are rounded to a lattice, so all predicates are exact. */
+/* Triangulation: constrained Delaunay triangulation of points in the parameter plane
+ * (plane/triangulation.h). The segments of closed loops are edges of it. Points are rounded to a
+ * lattice, so all predicates are exact. */
 #ifndef GD_LOOPS_TRIANGULATION_H
 #define GD_LOOPS_TRIANGULATION_H
 
@@ -10,7 +8,7 @@
 #include "loops/lattice.h"
 
 struct gd__triangulation_input {
-    const struct gd__lattice_node *points; /* within [0, GD__LATTICE_EXTENT] */
+    const struct gd__site *points; /* within [0, GD__LATTICE_EXTENT] */
     uint32_t count;
     const uint32_t (*segments)[2]; /* constraints: pairs of points */
     uint32_t segment_count;
@@ -23,10 +21,9 @@ struct gd__triangulation {
     uint32_t (*triangles)[3]; /* counter-clockwise; owned */
 };
 
-/* Errors: GD_INVALID_ARGUMENT (segments cross, or a point lies on a segment), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. About O(points) if neighbouring points follow one
- * another. */
-GD_MUST_USE enum gd_status gd__plane_triangulate(const struct gd__triangulation_input *input,
+/* Errors: GD_RUNAWAY (segments cross, or a point lies on a segment), GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. About O(points) if neighbouring points follow one another. */
+GD_MUST_USE enum gd_status gd__loops_triangulate(const struct gd__triangulation_input *input,
                                                  struct gd__pace *pace,
                                                  struct gd__triangulation *out);
 

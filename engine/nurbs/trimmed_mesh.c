@@ -22,7 +22,7 @@ struct meshing {
     uint32_t *number_of; /* for each grid node, its place */
     uint32_t count;      /* number of places: first the samples of loops, then the grid nodes */
     double (*uv)[2];
-    struct gd__lattice_node *nodes;
+    struct gd__site *nodes;
     uint32_t segment_count;
     uint32_t (*segments)[2];
     struct gd__triangulation found;
@@ -159,8 +159,8 @@ static enum gd_status triangulate(struct meshing *m)
     for (uint32_t i = 0; i < m->count; i++) m->nodes[i] = gd__lattice_round(&lattice, m->uv[i]);
     const struct gd__triangulation_input input = {
         m->nodes, m->count, (const uint32_t(*)[2])m->segments, m->segment_count};
-    enum gd_status status = gd__plane_triangulate(&input, &m->pace, &m->found);
-    return status == GD_INVALID_ARGUMENT ? GD_INTERNAL : status;
+    enum gd_status status = gd__loops_triangulate(&input, &m->pace, &m->found);
+    return status == GD_RUNAWAY ? GD_INTERNAL : status;
 }
 
 /* Replaces a place by the representative of its point. On a seam, this is the place at the low end

@@ -1,3 +1,4 @@
+#include "cut/lattice.h"
 #include "cut/planar.h"
 
 #include "tests/support/test.h"
@@ -10,7 +11,7 @@ static void begin(struct gd__planar *planar, struct gd__budget *budget,
     *planar = (struct gd__planar){.budget = budget};
     check_ok(gd__planar_begin(planar, count), NULL);
     for (uint32_t i = 0; i < count; i++) {
-        planar->sites[i] = sites[i];
+        planar->plane.sites[i] = sites[i];
         planar->places[i] =
             (struct gd__local){gd__from_lattice(sites[i].u), gd__from_lattice(sites[i].v)};
     }
@@ -18,10 +19,10 @@ static void begin(struct gd__planar *planar, struct gd__budget *budget,
 
 static bool has_side(const struct gd__planar *planar, uint32_t a, uint32_t b)
 {
-    for (uint32_t t = 0; t < planar->triangle_count; t++)
+    for (uint32_t t = 0; t < planar->plane.triangle_count; t++)
         for (uint32_t k = 0; k < 3; k++)
-            if (planar->triangles[t].corner[k] == a &&
-                planar->triangles[t].corner[(k + 1) % 3] == b)
+            if (planar->plane.triangles[t].corner[k] == a &&
+                planar->plane.triangles[t].corner[(k + 1) % 3] == b)
                 return true;
     return false;
 }
@@ -31,20 +32,22 @@ static bool has_side(const struct gd__planar *planar, uint32_t a, uint32_t b)
 static void check_tiling(const struct gd__planar *planar)
 {
     __int128 area = 0;
-    for (uint32_t t = 0; t < planar->triangle_count; t++) {
-        const struct gd__planar_triangle *triangle = &planar->triangles[t];
-        __int128 part =
-            gd__site_area(planar->sites[triangle->corner[0]], planar->sites[triangle->corner[1]],
-                          planar->sites[triangle->corner[2]]);
+    for (uint32_t t = 0; t < planar->plane.triangle_count; t++) {
+        const struct gd__plane_triangle *triangle = &planar->plane.triangles[t];
+        __int128 part = gd__site_area(planar->plane.sites[triangle->corner[0]],
+                                      planar->plane.sites[triangle->corner[1]],
+                                      planar->plane.sites[triangle->corner[2]]);
         assert_true(part > 0);
         area += part;
         for (uint32_t k = 0; k < 3; k++) {
             uint32_t other = triangle->across[k], m = 0;
             if (other == GD_NONE) continue;
-            while (planar->triangles[other].across[m] != t) assert_true(++m < 3);
-            assert_int_equal(planar->triangles[other].corner[m], triangle->corner[(k + 1) % 3]);
-            assert_int_equal(planar->triangles[other].corner[(m + 1) % 3], triangle->corner[k]);
-            assert_int_equal(planar->triangles[other].is_fixed[m], triangle->is_fixed[k]);
+            while (planar->plane.triangles[other].across[m] != t) assert_true(++m < 3);
+            assert_int_equal(planar->plane.triangles[other].corner[m],
+                             triangle->corner[(k + 1) % 3]);
+            assert_int_equal(planar->plane.triangles[other].corner[(m + 1) % 3],
+                             triangle->corner[k]);
+            assert_int_equal(planar->plane.triangles[other].is_fixed[m], triangle->is_fixed[k]);
         }
     }
     assert_true(area == (__int128)GD__LATTICE * GD__LATTICE);
@@ -66,16 +69,16 @@ static void a_segment_across_many_diagonals(void **state)
     begin(&planar, &budget, sites, 27);
     check_ok(gd__planar_triangulate(&planar), NULL);
     check_tiling(&planar);
-    gd__planar_improve(&planar);
+    gd__plane_improve(&planar.plane);
     check_tiling(&planar);
     for (uint32_t i = 0; i < 12; i++) {
-        check_ok(gd__planar_fix(&planar, 3 + i, 3 + 23 - i), NULL);
+        check_ok(gd__plane_fix(&planar.plane, 3 + i, 3 + 23 - i), NULL);
         check_tiling(&planar);
     }
-    gd__planar_improve(&planar);
+    gd__plane_improve(&planar.plane);
     check_tiling(&planar);
     for (uint32_t i = 0; i < 12; i++) assert_true(has_side(&planar, 3 + i, 3 + 23 - i));
-    assert_int_equal(gd__planar_fix(&planar, 3, 4 + 11), GD_RUNAWAY); /* crosses a segment */
+    assert_int_equal(gd__plane_fix(&planar.plane, 3, 4 + 11), GD_RUNAWAY); /* crosses a segment */
     gd__planar_free(&planar);
 }
 
@@ -109,11 +112,11 @@ static void random_segments(void **state)
             for (uint32_t s = 0; s < 43; s++)
                 is_free &= s == a || s == b || gd__site_turn(sites[a], sites[b], sites[s]) != 0;
             if (!is_free) continue;
-            check_ok(gd__planar_fix(&planar, a, b), NULL);
+            check_ok(gd__plane_fix(&planar.plane, a, b), NULL);
             segments[count][0] = a;
             segments[count++][1] = b;
         }
-        gd__planar_improve(&planar);
+        gd__plane_improve(&planar.plane);
         check_tiling(&planar);
         for (uint32_t s = 0; s < count; s++)
             assert_true(has_side(&planar, segments[s][0], segments[s][1]) ||
@@ -138,11 +141,11 @@ static void flips_widen_angles(void **state)
                                      {L * 5 / 16, L / 4 - L / 64}};
     begin(&planar, &budget, sites, 7);
     check_ok(gd__planar_triangulate(&planar), NULL);
-    gd__planar_improve(&planar);
+    gd__plane_improve(&planar.plane);
     assert_true(has_side(&planar, 5, 6));
     assert_false(has_side(&planar, 3, 4));
-    check_ok(gd__planar_fix(&planar, 3, 4), NULL);
-    gd__planar_improve(&planar);
+    check_ok(gd__plane_fix(&planar.plane, 3, 4), NULL);
+    gd__plane_improve(&planar.plane);
     assert_true(has_side(&planar, 3, 4));
     check_tiling(&planar);
     gd__planar_free(&planar);
@@ -166,7 +169,7 @@ static void invalid_sites_are_refused(void **state)
     begin(&planar, &budget, line, 6);
     check_ok(gd__planar_triangulate(&planar), NULL);
     /* the segment passes through a site */
-    assert_int_equal(gd__planar_fix(&planar, 3, 5), GD_RUNAWAY);
+    assert_int_equal(gd__plane_fix(&planar.plane, 3, 5), GD_RUNAWAY);
     assert_int_equal(gd__planar_begin(&planar, UINT32_MAX), GD_TOO_LARGE);
     gd__planar_free(&planar);
 }
