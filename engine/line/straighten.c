@@ -67,8 +67,7 @@ static struct row straighten_row_of(const struct gd_mesh *mesh, const struct gd_
 static struct gd__portal gate_before(const struct gd_mesh *mesh, const struct gd__strip *strip,
                                      uint32_t portal)
 {
-    if (portal > 0) return strip->portals[portal - 1];
-    return (struct gd__portal){.side = mesh->face_side[strip->face][0], .along = {1, 0}};
+    return portal > 0 ? strip->portals[portal - 1] : gd__strip_entrance(mesh, strip);
 }
 
 /* Returns the turn of a direction at a vertex. The direction is given in the plane of the strip,

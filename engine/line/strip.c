@@ -113,79 +113,20 @@ enum gd_status gd__strip_along(const struct gd_mesh *mesh, const struct gd__rout
 
 /* --- in the plane ----------------------------------------------------------------------------- */
 
-static bool is_on(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *point)
-{
-    if (point->kind == GD_POINT_EDGE) return point->element == side >> 1;
-    return point->kind == GD_POINT_VERTEX &&
-           (mesh->origin[side] == point->element || mesh->origin[side ^ 1] == point->element);
-}
-
 static void strip_trim(const struct gd_mesh *mesh, struct gd__strip *strip)
 {
     uint32_t skip = 0;
-    while (strip->count && is_on(mesh, strip->portals[strip->count - 1].side, &strip->to))
+    while (strip->count &&
+           gd__portal_contains(mesh, strip->portals[strip->count - 1].side, &strip->to))
         strip->count--;
-    while (skip < strip->count && is_on(mesh, strip->portals[skip].side, &strip->from)) skip++;
+    while (skip < strip->count &&
+           gd__portal_contains(mesh, strip->portals[skip].side, &strip->from))
+        skip++;
     if (!skip) return;
     strip->face = mesh->side_face[strip->portals[skip - 1].side];
     strip->count -= skip;
     for (uint32_t i = 0; i < strip->count; i++)
         strip->portals[i].side = strip->portals[i + skip].side;
-}
-
-/* Converts the vector `by` to the coordinates of the plane. `by` is given in a frame whose x axis
- * is the unit vector `along`. */
-static struct gd__local turned(struct gd__local along, struct gd__local by)
-{
-    return (struct gd__local){along.x * by.x - along.y * by.y, along.x * by.y + along.y * by.x};
-}
-
-static struct gd__local placed(struct gd__local origin, struct gd__local along, struct gd__local at)
-{
-    struct gd__local way = turned(along, at);
-    return (struct gd__local){origin.x + way.x, origin.y + way.y};
-}
-
-/* Computes the position of the next portal from the last one. The next portal must be the left or
- * the right edge of the face behind the last portal, or the last portal in the opposite direction.
- * Returns false for any other side. */
-static bool lay_gate(const struct gd_mesh *mesh, const struct gd__portal *last,
-                     struct gd__portal *out)
-{
-    const struct gd_side *s = &mesh->side[last->side];
-    struct gd__local apex =
-        placed(last->left, last->along,
-               (struct gd__local){s->left_length * s->left_x, s->left_length * s->left_y});
-    if (out->side == s->left)
-        *out = (struct gd__portal){s->left, last->left, apex,
-                                   turned(last->along, (struct gd__local){s->left_x, s->left_y})};
-    else if (out->side == s->right)
-        *out = (struct gd__portal){s->right, apex, last->right,
-                                   turned(last->along, (struct gd__local){s->right_x, s->right_y})};
-    else if (out->side == (last->side ^ 1))
-        *out = (struct gd__portal){
-            out->side, last->right, last->left, {-last->along.x, -last->along.y}};
-    else
-        return false;
-    return true;
-}
-
-struct gd__local gd__portal_place(const struct gd_mesh *mesh, const struct gd__portal *portal,
-                                  const struct gd_point *point)
-{
-    uint32_t face = mesh->side_face[portal->side];
-    double weight[3];
-    gd__point_weights(mesh, point, face, weight);
-    int k = gd__place_of_side(mesh->face_side[face], portal->side);
-    return placed(portal->left, portal->along,
-                  gd__face_local(mesh, portal->side,
-                                 (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]}));
-}
-
-struct gd__portal gd__strip_entrance(const struct gd_mesh *mesh, const struct gd__strip *strip)
-{
-    uint32_t side = mesh->face_side[strip->face][0];
-    return (struct gd__portal){side, {0, 0}, {mesh->side[side].length, 0}, {1, 0}};
 }
 
 enum gd_status gd__strip_lay(const struct gd_mesh *mesh, struct gd__strip *strip)
@@ -194,9 +135,8 @@ enum gd_status gd__strip_lay(const struct gd_mesh *mesh, struct gd__strip *strip
     struct gd__portal last = gd__strip_entrance(mesh, strip);
     strip->begin = gd__portal_place(mesh, &last, &strip->from);
     for (uint32_t i = 0; i < strip->count; i++) {
-        if (!lay_gate(mesh, &last, &strip->portals[i])) return GD_INTERNAL;
+        if (!gd__portal_next(mesh, &last, &strip->portals[i])) return GD_INTERNAL;
         last = strip->portals[i];
-        if (mesh->side_face[last.side] == GD_NONE) return GD_INTERNAL;
     }
     if (!gd__face_contains(mesh, mesh->side_face[last.side], &strip->to)) return GD_INTERNAL;
     strip->end = gd__portal_place(mesh, &last, &strip->to);

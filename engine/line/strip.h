@@ -3,16 +3,8 @@
 #ifndef GD_LINE_STRIP_H
 #define GD_LINE_STRIP_H
 
-#include "mesh/local.h"
+#include "line/portal.h"
 #include "line/route.h"
-
-/* Portal: a side through which the strip enters the side's face, and its position in the plane of
- * the unfolded strip. The side's origin is on the left. */
-struct gd__portal {
-    uint32_t side;
-    struct gd__local left, right;
-    struct gd__local along; /* unit vector in the direction of the side */
-};
 
 /* A struct that is all zero is an empty strip. */
 struct gd__strip {
@@ -52,12 +44,12 @@ GD_MUST_USE enum gd_status gd__strip_along(const struct gd_mesh *mesh,
  * GD_INTERNAL: not a valid strip. O(count). */
 GD_MUST_USE enum gd_status gd__strip_lay(const struct gd_mesh *mesh, struct gd__strip *strip);
 
-/* gd__strip_entrance returns side 0 of the strip's first face as a portal; the plane has the frame
- * of this side. gd__portal_place takes a point of the face behind a portal, and returns its
- * position in the plane. */
-struct gd__portal gd__strip_entrance(const struct gd_mesh *mesh, const struct gd__strip *strip);
-struct gd__local gd__portal_place(const struct gd_mesh *mesh, const struct gd__portal *portal,
-                                  const struct gd_point *point);
+/* Returns side 0 of the strip's first face as a portal. The plane has the frame of this side. */
+static inline struct gd__portal gd__strip_entrance(const struct gd_mesh *mesh,
+                                                   const struct gd__strip *strip)
+{
+    return gd__portal_entrance(mesh, strip->face);
+}
 
 /* A vertex where the shortest line in a strip bends: the left or right end of a portal. If several
  * consecutive portals end there, `portal` is the last one. */
