@@ -7,6 +7,8 @@
 #include "nurbs/bspline.h"
 #include "nurbs/energy.h"
 
+/* A curve that is not divided into cells is integrated over many short intervals, because the
+ * surface is not smooth where its lines cross a span. */
 enum { PANELS = 32 };
 
 void gd__answer_free(struct gd_geodesic *geodesic)
@@ -53,26 +55,6 @@ static enum gd_status copy_pieces(const struct gd__candidate *candidate, struct 
     return status;
 }
 
-/* Returns the length of a span of a curve that is not divided into cells. Integrates over many
- * short intervals, because the surface is not smooth where its lines cross the span. */
-static double panel_length(const struct gd__chain *chain, const struct gd__piece *piece,
-                           uint32_t span)
-{
-    const double *knot = piece->knots + chain->degree + span, width = (knot[1] - knot[0]) / PANELS;
-    const struct gd__gauss *rule = gd__gauss(GD__GAUSS_LEAST);
-    double sum = 0;
-    for (int i = 0; i < PANELS * GD__GAUSS_LEAST && gd__pace(chain->pace, GD__STEP); i++) {
-        struct gd__curve_jet c;
-        struct gd_jet x;
-        double t = knot[0] + (i / GD__GAUSS_LEAST + rule->node[i % GD__GAUSS_LEAST]) * width;
-        gd__piece_at(chain, piece, span, t, &c);
-        gd__piece_jet(chain, piece, c.at, &x);
-        sum +=
-            rule->weight[i % GD__GAUSS_LEAST] * width * gd_vec3_length(gd__velocity(&x, c.first));
-    }
-    return sum;
-}
-
 /* Computes length, curvature and speed defect of all pieces. */
 static void answer_measure(const struct gd__candidate *candidate, struct gd_geodesic *out)
 {
@@ -86,7 +68,9 @@ static void answer_measure(const struct gd__candidate *candidate, struct gd_geod
                 double bend, part;
                 gd__energy_bend(chain, piece, span, &bend, &part);
                 out->curvature += bend;
-                length += piece->whole ? panel_length(chain, piece, span) : part;
+                length += piece->whole
+                              ? gd__energy_length(chain, piece, span, GD__GAUSS_LEAST, PANELS)
+                              : part;
             }
             out->length += length;
             uneven += fabs(2 * gd__energy_value(chain, piece) - length * length);

@@ -237,15 +237,6 @@ static bool find_visit(const struct gd_parametric *surface, const struct gd__uv_
     return found;
 }
 
-static enum gd_status add_range(struct gd__uv_polyline *polyline,
-                                const struct gd__uv_polyline *from, uint32_t begin, uint32_t end)
-{
-    enum gd_status status = GD_OK;
-    for (uint32_t i = begin; i < end && !status; i++)
-        status = gd__uv_polyline_add(polyline, from->at[i]);
-    return status;
-}
-
 static enum gd_status solve_part(const struct gd__task *task, struct gd__uv_polyline *polyline,
                                  const struct gd__joint *from, const struct gd__joint *to,
                                  struct gd__candidate *candidate)
@@ -270,10 +261,11 @@ static enum gd_status solve_through(const struct gd__task *task, const struct gd
         pole[side][visit->axis] = visit->border;
         pole[side][1 - visit->axis] = polyline->at[beside][1 - visit->axis];
     }
-    enum gd_status status = add_range(&half[0], polyline, 0, visit->place);
+    enum gd_status status = gd__uv_polyline_append(&half[0], polyline, 0, visit->place);
     if (!status) status = gd__uv_polyline_add(&half[0], pole[0]);
     if (!status) status = gd__uv_polyline_add(&half[1], pole[1]);
-    if (!status) status = add_range(&half[1], polyline, visit->place + 1, polyline->count);
+    if (!status)
+        status = gd__uv_polyline_append(&half[1], polyline, visit->place + 1, polyline->count);
     struct gd__joint joint[2];
     for (int side = 0; side < 2; side++)
         joint[side] = gd__joint_on_line(task->surface, visit->axis, pole[side]);
@@ -301,7 +293,7 @@ static enum gd_status solve_beside(const struct gd__task *task, const struct gd_
     const double *before = polyline->at[visit->place - 1], *after = polyline->at[visit->place + 1];
     double radius = 0.5 * fmin(fabs(before[k] - visit->border), fabs(after[k] - visit->border));
     double side = before[k] > visit->border ? 1 : -1;
-    enum gd_status status = add_range(&around, polyline, 0, visit->place);
+    enum gd_status status = gd__uv_polyline_append(&around, polyline, 0, visit->place);
     for (int i = 0; i <= DETOUR && !status; i++) {
         double at[2];
         at[k] = visit->border + side * radius;

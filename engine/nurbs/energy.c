@@ -139,20 +139,18 @@ void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piec
     }
 }
 
-double gd__energy_uneven(const struct gd__chain *chain, const struct gd__piece *piece,
-                         uint32_t span, double length)
+double gd__energy_length(const struct gd__chain *chain, const struct gd__piece *piece,
+                         uint32_t span, int gauss, int parts)
 {
-    int gauss = gd__chain_gauss(chain);
-    const double *knot = piece->knots + chain->degree + span, half = 0.5 * (knot[1] - knot[0]);
+    const double *knot = piece->knots + chain->degree + span, width = (knot[1] - knot[0]) / parts;
+    const struct gd__gauss *rule = gd__gauss(gauss);
     double sum = 0;
-    for (int g = 0; g < 2 * gauss && gd__pace(chain->pace, GD__STEP); g++) {
+    for (int i = 0; i < parts * gauss && gd__pace(chain->pace, GD__STEP); i++) {
         struct gd__curve_jet c;
         struct gd_jet x;
-        gd__piece_at(chain, piece, span,
-                     knot[0] + half * (g / gauss + gd__gauss(gauss)->node[g % gauss]), &c);
+        gd__piece_at(chain, piece, span, knot[0] + (i / gauss + rule->node[i % gauss]) * width, &c);
         gd__piece_jet(chain, piece, c.at, &x);
-        sum +=
-            gd__gauss(gauss)->weight[g % gauss] * half * gd_vec3_length(gd__velocity(&x, c.first));
+        sum += rule->weight[i % gauss] * width * gd_vec3_length(gd__velocity(&x, c.first));
     }
-    return fabs(sum - length);
+    return sum;
 }

@@ -39,9 +39,8 @@ void gd__energy_expand(const struct gd__chain *chain, const struct gd__piece *pi
 void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
                      double *bend, double *length);
 
-/* Estimates the error of a length from gd__energy_bend: returns the difference from the length that
- * the same quadrature rule gives on the two halves of the span. */
-double gd__energy_uneven(const struct gd__chain *chain, const struct gd__piece *piece,
-                         uint32_t span, double length);
+/* Returns the length of a span, by Gauss's rule of `gauss` points on each of `parts` equal parts. */
+double gd__energy_length(const struct gd__chain *chain, const struct gd__piece *piece,
+                         uint32_t span, int gauss, int parts);
 
 #endif

@@ -7,61 +7,48 @@
 #include "base/tolerance.h"
 #include "nurbs/taut.h"
 
-enum { PARTS = 4 }; /* number of samples of a span */
-
-/* A sample of the chain: its piece, span and parameter. */
-struct sample {
-    uint32_t piece, span;
-    double t, at[2];
+/* A place of the chain: its piece, span and parameter. */
+struct spot {
+    const struct gd__piece *piece;
+    uint32_t span;
+    double t;
 };
 
 struct check {
     const struct gd__chain *chain;
-    struct sample *samples;
-    uint32_t count;
+    struct gd__uv_polyline samples;
     double worst; /* smallest depth so far */
-    struct sample worst_sample;
-    uint32_t worst_index;
+    struct spot worst_spot;
+    uint32_t worst_sample;
     struct gd__loop_place place;
 };
 
-static void sample_at(const struct check *check, struct sample *sample)
+/* Returns the spot after a fraction of the step from a sample to the next one. */
+static struct spot spot_of(const struct gd__chain *chain, uint32_t sample, double part)
 {
-    const struct gd__piece *piece = &check->chain->pieces[sample->piece];
-    struct gd__curve_jet c;
-    gd__piece_at(check->chain, piece, sample->span, sample->t, &c);
-    memcpy(sample->at, c.at, sizeof c.at);
+    const struct gd__piece *piece = chain->pieces;
+    uint32_t span = sample / GD__SAMPLES_A_SPAN;
+    double steps = sample % GD__SAMPLES_A_SPAN + part;
+    while (span >= piece->spans && piece + 1 < chain->pieces + chain->piece_count)
+        span -= piece++->spans;
+    if (span == piece->spans) span--, steps = GD__SAMPLES_A_SPAN; /* the chain's end */
+    const double *knot = piece->knots + chain->degree + span;
+    struct spot spot = {piece, span, knot[0] + (knot[1] - knot[0]) * steps / GD__SAMPLES_A_SPAN};
+    return spot;
 }
 
-static enum gd_status list_samples(struct check *check)
-{
-    const struct gd__chain *chain = check->chain;
-    size_t most = PARTS * (size_t)gd__chain_spans(chain) + 1;
-    check->samples = malloc(most * sizeof *check->samples);
-    if (!check->samples) return GD_NO_MEMORY;
-    for (uint32_t i = 0; i < chain->piece_count; i++) {
-        const struct gd__piece *piece = &chain->pieces[i];
-        for (uint32_t span = 0; span < piece->spans; span++) {
-            const double *knot = piece->knots + chain->degree + span;
-            bool is_last = i + 1 == chain->piece_count && span + 1 == piece->spans;
-            for (int k = 0; k < PARTS + is_last && gd__pace(chain->pace, GD__STEP / 8); k++) {
-                struct sample *sample = &check->samples[check->count++];
-                *sample = (struct sample){i, span, knot[0] + (knot[1] - knot[0]) * k / PARTS, {0}};
-                sample_at(check, sample);
-            }
-        }
-    }
-    return chain->pace->status;
-}
-
-static void probe(struct check *check, const struct sample *sample, uint32_t index)
+/* Computes the depth after a fraction of the step from a sample to the next one. */
+static void probe(struct check *check, uint32_t sample, double part)
 {
     struct gd__loop_place place;
-    double depth = gd__surface_depth(check->chain->surface, sample->at, &place);
+    struct gd__curve_jet c;
+    const struct spot spot = spot_of(check->chain, sample, part);
+    gd__piece_at(check->chain, spot.piece, spot.span, spot.t, &c);
+    double depth = gd__surface_depth(check->chain->surface, c.at, &place);
     if (depth >= check->worst) return;
     check->worst = depth;
-    check->worst_sample = *sample;
-    check->worst_index = index;
+    check->worst_spot = spot;
+    check->worst_sample = sample;
     check->place = place;
 }
 
@@ -85,17 +72,17 @@ static int by_number(const void *x, const void *y)
 
 /* Tests the chord between two samples at the middles between its crossings with loops. So a hole
  * that is narrower than the chord is found. */
-static enum gd_status probe_chord(struct check *check, uint32_t index)
+static enum gd_status probe_chord(struct check *check, uint32_t sample)
 {
     enum { CROSSINGS_MOST = 64 };
     const struct gd_parametric *surface = check->chain->surface;
     const struct gd__loop_samples *samples = &surface->loops->samples;
-    const struct sample *from = &check->samples[index], *to = from + 1;
+    const double(*at)[2] = (const double(*)[2])check->samples.at + sample;
     double crossings[CROSSINGS_MOST + 2] = {0, 1}, a[2], b[2];
     uint32_t count = 2;
     for (int k = 0; k < 2; k++) {
-        a[k] = gd__axis_wrap(surface->axis[k], from->at[k]);
-        b[k] = a[k] + to->at[k] - from->at[k];
+        a[k] = gd__axis_wrap(surface->axis[k], at[0][k]);
+        b[k] = a[k] + at[1][k] - at[0][k];
     }
     for (uint32_t i = 0; i < surface->loops->count; i++) {
         uint32_t first = samples->first[i], n = samples->first[i + 1] - first;
@@ -107,52 +94,38 @@ static enum gd_status probe_chord(struct check *check, uint32_t index)
     }
     if (count == 2) return GD_OK;
     qsort(crossings, count, sizeof *crossings, by_number);
-    bool is_same_piece = from->piece == to->piece;
-    double end = is_same_piece ? to->t : 1;
-    for (uint32_t i = 0; i + 1 < count; i++) {
-        struct sample middle = *from;
-        middle.t += 0.5 * (crossings[i] + crossings[i + 1]) * (end - from->t);
-        sample_at(check, &middle);
-        probe(check, &middle, index);
-    }
+    for (uint32_t i = 0; i + 1 < count; i++)
+        probe(check, sample, 0.5 * (crossings[i] + crossings[i + 1]));
     return GD_OK;
 }
 
-static enum gd_status leaving_of(const struct check *check, struct gd__leaving *out)
+static void leaving_of(struct check *check, struct gd__leaving *out)
 {
-    const struct gd__chain *chain = check->chain;
-    const struct sample *worst = &check->worst_sample;
-    const struct gd__piece *piece = &chain->pieces[worst->piece];
+    const struct spot *worst = &check->worst_spot;
     struct gd__curve_jet c;
     struct gd_jet x;
-    gd__piece_at(chain, piece, worst->span, worst->t, &c);
-    gd__piece_jet(chain, piece, c.at, &x);
-    struct gd__leaving leaving = {.place = check->place,
-                                  .at = {c.at[0], c.at[1]},
-                                  .velocity = gd__velocity(&x, c.first),
-                                  .sample = check->worst_index};
-    enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < check->count && !status; i++)
-        status = gd__uv_polyline_add(&leaving.samples, check->samples[i].at);
-    if (status)
-        gd__uv_polyline_free(&leaving.samples);
-    else
-        *out = leaving;
-    return status;
+    gd__piece_at(check->chain, worst->piece, worst->span, worst->t, &c);
+    gd__piece_jet(check->chain, worst->piece, c.at, &x);
+    *out = (struct gd__leaving){.place = check->place,
+                                .at = {c.at[0], c.at[1]},
+                                .velocity = gd__velocity(&x, c.first),
+                                .sample = check->worst_sample,
+                                .samples = check->samples};
+    check->samples = (struct gd__uv_polyline){0};
 }
 
 enum gd_status gd__gap_check(const struct gd__chain *chain, bool *inside, struct gd__leaving *out)
 {
     struct check check = {.chain = chain, .worst = INFINITY};
-    enum gd_status status = list_samples(&check);
+    enum gd_status status = gd__uv_polyline_sample(chain, &check.samples);
     uint64_t cost = chain->surface->loops->samples.count / 4 + 1;
-    for (uint32_t i = 0; i < check.count && !status; i++) {
-        probe(&check, &check.samples[i], i);
-        if (i + 1 < check.count) status = probe_chord(&check, i);
+    for (uint32_t i = 0; i < check.samples.count && !status; i++) {
+        probe(&check, i, 0);
+        if (i + 1 < check.samples.count) status = probe_chord(&check, i);
         if (!status) status = gd__pace_step(chain->pace, cost);
     }
     *inside = check.worst >= -GD_TOL_LEAVES;
-    if (!status && !*inside) status = leaving_of(&check, out);
-    free(check.samples);
+    if (!status && !*inside) leaving_of(&check, out);
+    gd__uv_polyline_free(&check.samples);
     return status;
 }

@@ -73,18 +73,40 @@ static double least(const double weight[3])
     return fmin(weight[0], fmin(weight[1], weight[2]));
 }
 
-/* Computes the point of a trimmed tessellation with the parameters `at`. If the place lies between
- * a loop and the chords of the loop's samples, no triangle contains it. The result is then the
- * nearest point of the best triangle. */
-static enum gd_status trimmed_point(const struct gd_tessellation *t, const double at[2],
-                                    struct gd_point *out, struct gd_detail *detail)
+/* Computes the barycentric coordinates of a place in a face. */
+static void weigh(const struct gd_tessellation *t, uint32_t face, bool is_at_pole,
+                  const double at[2], double weight[3])
 {
-    double best[3] = {-INFINITY, -INFINITY, -INFINITY}, sum = 0;
-    uint32_t face = 0;
-    for (uint32_t f = 0; f < t->polygons.polygon_count && least(best) < 0; f++) {
-        double corner[3][2], weight[3];
-        for (int k = 0; k < 3; k++) gd__node_parameters(t, t->corners[f][k], corner[k]);
+    double corner[3][2];
+    for (int k = 0; k < 3; k++) gd__node_parameters(t, t->corners[face][k], corner[k]);
+    if (is_at_pole)
+        barycentric_at_pole(t->surface, (const double(*)[2])corner, at, weight);
+    else
         barycentric((const double(*)[2])corner, at, weight);
+}
+
+/* A place lies in one of the two faces of its cell, or in the single face of a cell at a pole. On a
+ * trimmed surface, all faces are tried. There, no face contains a place between a loop and the
+ * chords of the loop's samples. The result is then the nearest point of the best face. */
+enum gd_status gd_tessellation_point(const struct gd_tessellation *tessellation, double u, double v,
+                                     struct gd_point *out, struct gd_detail *detail)
+{
+    const struct gd_tessellation *t = tessellation;
+    if (!gd_parametric_contains(t->surface, u, v))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "(%.17g, %.17g) lies outside the surface's domain", u, v);
+    double at[2] = {gd__axis_wrap(t->surface->axis[0], u), gd__axis_wrap(t->surface->axis[1], v)},
+           best[3] = {-INFINITY, -INFINITY, -INFINITY}, weight[3], part, sum = 0;
+    bool is_trimmed = t->node_uv != NULL;
+    uint32_t first = 0, end = t->polygons.polygon_count, face;
+    if (!is_trimmed) {
+        uint32_t cell = gd__grid_step(&t->grid, 0, at[0], &part) * t->grid.steps[1] +
+                        gd__grid_step(&t->grid, 1, at[1], &part);
+        first = t->first_face[cell], end = t->first_face[cell + 1];
+    }
+    face = first;
+    for (uint32_t f = first; f < end && !(is_trimmed && least(best) >= 0); f++) {
+        weigh(t, f, !is_trimmed && end - first == 1, at, weight);
         if (!(least(weight) > least(best))) continue;
         memcpy(best, weight, sizeof best);
         face = f;
@@ -92,35 +114,4 @@ static enum gd_status trimmed_point(const struct gd_tessellation *t, const doubl
     for (int k = 0; k < 3; k++) sum += best[k] = fmax(best[k], 0);
     for (int k = 0; k < 3; k++) best[k] /= sum;
     return gd_point_in_face(t->mesh, (struct gd_face){face}, best, out, detail);
-}
-
-enum gd_status gd_tessellation_point(const struct gd_tessellation *tessellation, double u, double v,
-                                     struct gd_point *out, struct gd_detail *detail)
-{
-    const struct gd_parametric *surface = tessellation->surface;
-    if (!gd_parametric_contains(surface, u, v))
-        return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "(%.17g, %.17g) lies outside the surface's domain", u, v);
-    double at[2] = {gd__axis_wrap(surface->axis[0], u), gd__axis_wrap(surface->axis[1], v)}, part;
-    if (tessellation->node_uv) return trimmed_point(tessellation, at, out, detail);
-    uint32_t i = gd__grid_step(&tessellation->grid, 0, at[0], &part);
-    uint32_t j = gd__grid_step(&tessellation->grid, 1, at[1], &part);
-    uint32_t cell = i * tessellation->grid.steps[1] + j, first = tessellation->first_face[cell],
-             best = first;
-    uint32_t faces = tessellation->first_face[cell + 1] - first;
-    double weights[2][3];
-    for (uint32_t f = 0; f < faces; f++) {
-        double corner[3][2];
-        for (int k = 0; k < 3; k++)
-            gd__node_parameters(tessellation, tessellation->corners[first + f][k], corner[k]);
-        if (faces == 2)
-            barycentric((const double(*)[2])corner, at, weights[f]);
-        else
-            barycentric_at_pole(surface, (const double(*)[2])corner, at, weights[f]);
-        if (f && least(weights[1]) > least(weights[0])) best = first + 1;
-    }
-    double *weight = weights[best - first], sum = 0;
-    for (int k = 0; k < 3; k++) sum += weight[k] = fmax(weight[k], 0);
-    for (int k = 0; k < 3; k++) weight[k] /= sum;
-    return gd_point_in_face(tessellation->mesh, (struct gd_face){best}, weight, out, detail);
 }

@@ -94,7 +94,8 @@ static double span_error(const struct gd__chain *chain, const struct gd__piece *
     double error =
         follows_border(chain, piece, span) ? 0 : bend * length * length / (2 * M_PI * M_PI);
     if (error > enough) return error;
-    double uneven = gd__energy_uneven(chain, piece, span, length);
+    /* the quadrature error: the same rule gives this difference on the two halves of the span */
+    double uneven = fabs(gd__energy_length(chain, piece, span, gd__chain_gauss(chain), 2) - length);
     return uneven > noise * rounding ? error + uneven : error;
 }
 

@@ -156,13 +156,38 @@ static enum gd_status gaps_open(struct gd__taut *taut, uint32_t index, uint32_t 
     return GD_OK;
 }
 
-static enum gd_status append_line(struct gd__uv_polyline *to, const struct gd__uv_polyline *from,
-                                  uint32_t first)
+/* Removes contact i and the gap before it. */
+static void remove_contact(struct gd__taut *taut, uint32_t i)
 {
-    enum gd_status status = GD_OK;
-    for (uint32_t i = first; i < from->count && !status; i++)
-        status = gd__uv_polyline_add(to, from->at[i]);
+    gap_free(&taut->gaps[i]);
+    taut->gap_count--;
+    taut->contacts.count--;
+    memmove(taut->gaps + i, taut->gaps + i + 1, (taut->gap_count - i) * sizeof *taut->gaps);
+    memmove(taut->contacts.items + i, taut->contacts.items + i + 1,
+            (taut->contacts.count - i) * sizeof *taut->contacts.items);
+}
+
+/* Inserts a contact before contact `index`, and a gap before gap `gap`, beside the contact. The
+ * gap's line joins two places of the contact's span. */
+static enum gd_status insert_contact(struct gd__taut *taut, uint32_t index,
+                                     const struct gd__contact *contact, uint32_t gap,
+                                     const double ends[2])
+{
+    enum gd_status status = gaps_open(taut, gap, 1);
+    if (!status) status = gd__contacts_open(&taut->contacts, index, 1);
+    if (status) return status;
+    taut->contacts.items[index] = *contact;
+    for (int k = 0; k < 2 && !status; k++) {
+        struct gd__contact_place place;
+        gd__contact_at(taut->task->surface, contact, ends[k], &place);
+        status = gd__uv_polyline_add(&taut->gaps[gap].line, place.at);
+    }
     return status;
+}
+
+static enum gd_status gap_append(struct gd__uv_polyline *line, const struct gd__gap *gap)
+{
+    return gd__uv_polyline_append(line, &gap->line, 0, gap->line.count);
 }
 
 /* Removes contact i. Joins the gaps before and after it to one gap, whose initial path runs along
@@ -171,26 +196,21 @@ static enum gd_status drop_contact(struct gd__taut *taut, uint32_t i)
 {
     const struct gd__contact contact = taut->contacts.items[i];
     struct gd__uv_polyline line = {0};
-    enum gd_status status = append_line(&line, &taut->gaps[i].line, 0);
+    enum gd_status status = gap_append(&line, &taut->gaps[i]);
     for (int k = 1; k < ARC_SAMPLES && gd__contact_is_arc(&contact) && !status; k++) {
         struct gd__contact_place place;
         gd__contact_at(taut->task->surface, &contact,
                        contact.begin + (contact.end - contact.begin) * k / ARC_SAMPLES, &place);
         status = gd__uv_polyline_add(&line, place.at);
     }
-    if (!status) status = append_line(&line, &taut->gaps[i + 1].line, 0);
+    if (!status) status = gap_append(&line, &taut->gaps[i + 1]);
     if (status) {
         gd__uv_polyline_free(&line);
         return status;
     }
-    gap_free(&taut->gaps[i]);
     gap_free(&taut->gaps[i + 1]);
-    taut->gaps[i].line = line;
-    taut->gap_count--;
-    taut->contacts.count--;
-    memmove(taut->gaps + i + 1, taut->gaps + i + 2, (taut->gap_count - i - 1) * sizeof *taut->gaps);
-    memmove(taut->contacts.items + i, taut->contacts.items + i + 1,
-            (taut->contacts.count - i) * sizeof *taut->contacts.items);
+    taut->gaps[i + 1].line = line;
+    remove_contact(taut, i);
     return GD_OK;
 }
 
@@ -214,12 +234,7 @@ static void merge_contacts(struct gd__taut *taut)
         if ((contact[1].end - contact->end) * contact->direction > 0) contact->end = contact[1].end;
         if ((contact[1].begin - contact->begin) * contact->direction < 0)
             contact->begin = contact[1].begin;
-        gap_free(&taut->gaps[i + 1]);
-        taut->gap_count--;
-        taut->contacts.count--;
-        memmove(taut->gaps + i + 1, taut->gaps + i + 2,
-                (taut->gap_count - i - 1) * sizeof *taut->gaps);
-        memmove(contact + 1, contact + 2, (taut->contacts.count - i - 1) * sizeof *contact);
+        remove_contact(taut, i + 1);
     }
 }
 
@@ -383,17 +398,9 @@ static enum gd_status spill_contact(struct gd__taut *taut, uint32_t i, bool *add
         if (other < taut->contacts.count && taut->contacts.items[other].loop == next.loop &&
             taut->contacts.items[other].span == next.span)
             continue;
-        uint32_t index = sign > 0 ? i + 1 : i;
-        enum gd_status status = gaps_open(taut, i + 1, 1);
-        if (!status) status = gd__contacts_open(&taut->contacts, index, 1);
-        if (status) return status;
-        taut->contacts.items[index] = next;
-        struct gd__contact_place place;
-        gd__contact_at(taut->task->surface, &next, next.begin, &place);
-        struct gd__uv_polyline *line = &taut->gaps[i + 1].line;
-        for (int k = 0; k < 2 && !status; k++) status = gd__uv_polyline_add(line, place.at);
         *added = true;
-        return status;
+        return insert_contact(taut, sign > 0 ? i + 1 : i, &next, i + 1,
+                              (const double[2]){next.begin, next.begin});
     }
     return GD_OK;
 }
@@ -419,21 +426,10 @@ static enum gd_status split_contact(struct gd__taut *taut, uint32_t i, bool *spl
         *split = true;
         return GD_OK;
     }
-    enum gd_status status = gaps_open(taut, i + 1, 1);
-    if (!status) status = gd__contacts_open(&taut->contacts, i + 1, 1);
-    if (status) return status;
-    contact = &taut->contacts.items[i];
     contact->end = t - contact->direction * room;
     after.begin = t + after.direction * room;
-    taut->contacts.items[i + 1] = after;
-    const double ends[2] = {contact->end, after.begin};
-    for (int k = 0; k < 2 && !status; k++) {
-        struct gd__contact_place place;
-        gd__contact_at(taut->task->surface, contact, ends[k], &place);
-        status = gd__uv_polyline_add(&taut->gaps[i + 1].line, place.at);
-    }
     *split = true;
-    return status;
+    return insert_contact(taut, i + 1, &after, i + 1, (const double[2]){contact->end, after.begin});
 }
 
 /* --- gaps that leave the domain --------------------------------------------------------------- */
@@ -454,14 +450,15 @@ static enum gd_status add_leaving(struct gd__taut *taut, uint32_t number,
     if (status) return status;
     struct gd__gap *gap = &taut->gaps[number];
     gap_free(gap);
-    for (uint32_t i = 0; i <= leaving->sample && !status; i++)
-        status = gd__uv_polyline_add(&gap->line, leaving->samples.at[i]);
+    status = gd__uv_polyline_append(&gap->line, &leaving->samples, 0, leaving->sample + 1);
     if (!status) status = gd__uv_polyline_add(&gap->line, place.at);
     for (uint32_t k = 1; k <= added && !status; k++) {
         status = gd__uv_polyline_add(&gap[k].line, place.at);
         if (!status && k < added) status = gd__uv_polyline_add(&gap[k].line, place.at);
     }
-    if (!status) status = append_line(&gap[added].line, &leaving->samples, leaving->sample + 1);
+    if (!status)
+        status = gd__uv_polyline_append(&gap[added].line, &leaving->samples, leaving->sample + 1,
+                                        leaving->samples.count);
     return status;
 }
 

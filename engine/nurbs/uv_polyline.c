@@ -7,8 +7,6 @@
 #include "base/array.h"
 #include "nurbs/bspline.h"
 
-enum { PARTS = 4 }; /* number of samples of a span in gd__uv_polyline_of_chain */
-
 void gd__uv_polyline_free(struct gd__uv_polyline *polyline)
 {
     free(polyline->at);
@@ -27,6 +25,16 @@ enum gd_status gd__uv_polyline_add(struct gd__uv_polyline *polyline, const doubl
         status = gd__array_extend(&polyline->arc, &polyline->capacity, polyline->count + 1ULL,
                                   sizeof *polyline->arc, NULL);
     if (!status) memcpy(polyline->at[polyline->count++], at, sizeof *polyline->at);
+    return status;
+}
+
+enum gd_status gd__uv_polyline_append(struct gd__uv_polyline *polyline,
+                                      const struct gd__uv_polyline *from, uint32_t begin,
+                                      uint32_t end)
+{
+    enum gd_status status = GD_OK;
+    for (uint32_t i = begin; i < end && !status; i++)
+        status = gd__uv_polyline_add(polyline, from->at[i]);
     return status;
 }
 
@@ -63,8 +71,9 @@ double gd__uv_polyline_position(const struct gd__uv_polyline *polyline, double r
     return low + (step > 0 ? fmin(fmax((run - polyline->arc[low]) / step, 0), 1) : 0);
 }
 
-enum gd_status gd__uv_polyline_of_chain(const struct gd__chain *chain, struct gd__uv_polyline *out)
+enum gd_status gd__uv_polyline_sample(const struct gd__chain *chain, struct gd__uv_polyline *out)
 {
+    enum { PARTS = GD__SAMPLES_A_SPAN };
     struct gd__uv_polyline polyline = {0};
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < chain->piece_count; i++) {
@@ -76,14 +85,20 @@ enum gd_status gd__uv_polyline_of_chain(const struct gd__chain *chain, struct gd
                 struct gd__curve_jet c;
                 gd__piece_at(chain, piece, span, knot[0] + (knot[1] - knot[0]) * k / PARTS, &c);
                 status = gd__uv_polyline_add(&polyline, c.at);
+                if (!status) status = gd__pace_step(chain->pace, GD__STEP / 8);
             }
         }
     }
-    if (status) {
+    if (status)
         gd__uv_polyline_free(&polyline);
-        return status;
-    }
-    gd__uv_polyline_measure(chain->surface, &polyline);
-    *out = polyline;
-    return GD_OK;
+    else
+        *out = polyline;
+    return status;
+}
+
+enum gd_status gd__uv_polyline_of_chain(const struct gd__chain *chain, struct gd__uv_polyline *out)
+{
+    enum gd_status status = gd__uv_polyline_sample(chain, out);
+    if (!status) gd__uv_polyline_measure(chain->surface, out);
+    return status;
 }

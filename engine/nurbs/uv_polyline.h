@@ -17,6 +17,11 @@ void gd__uv_polyline_free(struct gd__uv_polyline *polyline);
 GD_MUST_USE enum gd_status gd__uv_polyline_add(struct gd__uv_polyline *polyline,
                                                const double at[2]);
 
+/* Appends the places [begin, end) of another polyline. Error: GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__uv_polyline_append(struct gd__uv_polyline *polyline,
+                                                  const struct gd__uv_polyline *from,
+                                                  uint32_t begin, uint32_t end);
+
 /* Computes `arc`. Removes places that coincide in space with their predecessors, except the last
  * place. */
 void gd__uv_polyline_measure(const struct gd_parametric *surface, struct gd__uv_polyline *polyline);
@@ -27,7 +32,14 @@ void gd__uv_polyline_at(const struct gd__uv_polyline *polyline, double position,
 /* Returns the fractional index, at least `from`, at which the arc length is `run`. */
 double gd__uv_polyline_position(const struct gd__uv_polyline *polyline, double run, uint32_t from);
 
-/* Samples a chain at the ends of its spans and between them. Error: GD_NO_MEMORY. */
+/* Samples a chain at GD__SAMPLES_A_SPAN equal steps of each span. Sample i is in span i /
+ * GD__SAMPLES_A_SPAN of the chain, except the last sample, at the chain's end. The polyline is not
+ * measured. Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
+enum { GD__SAMPLES_A_SPAN = 4 };
+GD_MUST_USE enum gd_status gd__uv_polyline_sample(const struct gd__chain *chain,
+                                                  struct gd__uv_polyline *out);
+
+/* Samples a chain, and measures the polyline. Errors: those of gd__uv_polyline_sample. */
 GD_MUST_USE enum gd_status gd__uv_polyline_of_chain(const struct gd__chain *chain,
                                                     struct gd__uv_polyline *out);
 
