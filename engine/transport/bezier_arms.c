@@ -1,12 +1,10 @@
 #include "transport/bezier_arms.h"
 
-#include <stdatomic.h>
 #include <stdlib.h>
 
 #include "base/tolerance.h"
 #include "line/straighten.h"
-
-enum { LANES_MOST = 2 };
+#include "transport/lanes.h"
 
 /* The state of one lane. A lane is a thread that computes segments one after another. */
 struct lane {
@@ -16,22 +14,6 @@ struct lane {
     struct gd__straightener straightener;
     struct gd__route route, line;
 };
-
-static struct lane open_lane(const struct gd__spline_work *work, const struct gd_control *control,
-                             struct gd_detail *detail)
-{
-    return (struct lane){.work = work,
-                         .control = control,
-                         .detail = detail,
-                         .straightener = {.mesh = work->mesh, .control = control}};
-}
-
-static void close_lane(struct lane *lane)
-{
-    gd__route_free(&lane->route);
-    gd__route_free(&lane->line);
-    gd__straightener_free(&lane->straightener);
-}
 
 /* --- one segment ------------------------------------------------------------------------------ */
 
@@ -130,76 +112,38 @@ static enum gd_status make_segment(struct lane *lane, uint32_t i, struct gd_spli
     return status;
 }
 
-static bool is_made(const struct gd_spline_segment *segment)
-{
-    return segment->arms[1].count > 0;
-}
-
-/* --- two segments at a time ------------------------------------------------------------------- */
-
-/* The address of a thread's own copy of this variable identifies the thread. */
-static _Thread_local char here;
+/* --- all segments ----------------------------------------------------------------------------- */
 
 struct making {
-    const struct gd__spline_work *work;
+    struct lane lanes[GD__LANES];
     struct gd_spline_segment *segments;
-    struct gd_control control; /* control of each lane */
-    /* identifies the caller's thread, the only thread that reports progress */
-    const char *location;
-    /* true if a progress report on the caller's thread cancelled the call */
-    bool is_cancelled;
-    atomic_uint next;
-    atomic_bool has_failed;
 };
 
-static bool bezier_arms_report(void *user, double fraction)
+static enum gd_status arms_make_next(void *context, uint32_t number, uint32_t i,
+                                     const struct gd_control *control)
 {
-    struct making *making = user;
-    if (atomic_load(&making->has_failed)) return false;
-    const struct gd_control *control = making->work->control;
-    if (&here != making->location || !control->progress) return true;
-    making->is_cancelled = !control->progress(control->user, fraction);
-    return !making->is_cancelled;
-}
-
-static void make_in_lane(void *context, uint32_t index)
-{
-    (void)index;
     struct making *making = context;
-    struct lane lane = open_lane(making->work, &making->control, NULL);
-    for (uint32_t i; !atomic_load(&making->has_failed) &&
-                     (i = atomic_fetch_add(&making->next, 1)) < making->work->path_count;)
-        if (make_segment(&lane, i, &making->segments[i])) atomic_store(&making->has_failed, true);
-    close_lane(&lane);
-}
-
-/* Computes all segments in two lanes. After a failure other than a cancel, returns GD_OK. The
- * caller then computes the missing segments in a single lane, which reports the failure if it
- * occurs again. */
-static enum gd_status make_together(const struct gd__spline_work *work,
-                                    struct gd_spline_segment *segments)
-{
-    struct making making = {
-        .work = work, .segments = segments, .control = *work->control, .location = &here};
-    if (making.control.budget_bytes > LANES_MOST) making.control.budget_bytes /= LANES_MOST;
-    making.control.progress = bezier_arms_report;
-    making.control.user = &making;
-    atomic_init(&making.next, 0);
-    atomic_init(&making.has_failed, false);
-    gd_executor_run(work->request->executor, make_in_lane, &making, LANES_MOST);
-    return making.is_cancelled ? GD_CANCELLED : GD_OK;
+    struct lane *lane = &making->lanes[number];
+    bool is_made = making->segments[i].arms[1].count > 0;
+    lane->control = lane->straightener.control = control;
+    return is_made ? GD_OK : make_segment(lane, i, &making->segments[i]);
 }
 
 enum gd_status gd__bezier_arms_make(const struct gd__spline_work *work,
                                     struct gd_spline_segment *segments)
 {
-    const struct gd_executor *executor = work->request->executor;
-    enum gd_status status = executor && executor->width > 1 && work->path_count > 1
-                                ? make_together(work, segments)
-                                : GD_OK;
-    struct lane lane = open_lane(work, work->control, work->detail);
-    for (uint32_t i = 0; i < work->path_count && !status; i++)
-        if (!is_made(&segments[i])) status = make_segment(&lane, i, &segments[i]);
-    close_lane(&lane);
+    struct making making = {.segments = segments};
+    for (uint32_t k = 0; k < GD__LANES; k++)
+        making.lanes[k] = (struct lane){.work = work, .straightener = {.mesh = work->mesh}};
+    /* of two lanes, neither may write the detail */
+    making.lanes[GD__LANE_ALONE].detail = work->detail;
+    const struct gd__lanes lanes = {work->request->executor, work->control,  work->share,
+                                    work->path_count,        arms_make_next, &making};
+    enum gd_status status = gd__lanes_run(&lanes);
+    for (uint32_t k = 0; k < GD__LANES; k++) {
+        gd__route_free(&making.lanes[k].route);
+        gd__route_free(&making.lanes[k].line);
+        gd__straightener_free(&making.lanes[k].straightener);
+    }
     return status;
 }

@@ -61,20 +61,26 @@ enum gd_status gd__control_points_search(struct gd__spline_work *work)
 
 /* --- vectors ---------------------------------------------------------------------------------- */
 
+/* Copies a path, backwards if requested. The caller frees out->points by free(). */
+static enum gd_status turn_path(const struct gd__spline_work *work, const struct gd_path *path,
+                                bool backwards, struct gd_path *out)
+{
+    struct gd__route copy = {0};
+    enum gd_status status =
+        gd__route_join(&copy, path->points, path->count, 0, backwards, work->control);
+    *out = (struct gd_path){path->length, copy.count, copy.points};
+    return status;
+}
+
 /* Computes the vector of a path at its beginning, or of the reversed path at its end. */
 static enum gd_status log_of(const struct gd__spline_work *work, const struct gd_path *path,
                              bool backwards, struct gd_vector *out)
 {
-    struct gd_path turned = *path;
-    struct gd__route copy = {0};
+    struct gd_path turned;
     struct gd_log log;
-    enum gd_status status = GD_OK;
-    if (backwards) {
-        status = gd__route_join(&copy, path->points, path->count, 0, true, work->control);
-        turned.points = copy.points;
-    }
+    enum gd_status status = turn_path(work, path, backwards, &turned);
     if (!status) status = gd_vector_log(work->mesh, &turned, &log, work->detail);
-    gd__route_free(&copy);
+    gd_path_free(&turned);
     if (status) return status;
     *out = log.vector;
     gd_log_free(&log);
@@ -86,17 +92,12 @@ static enum gd_status control_points_moved(const struct gd__spline_work *work,
                                            const struct gd_path *path, bool to_beginning,
                                            const struct gd_vector *vector, struct gd_vector *out)
 {
-    struct gd_path turned = *path;
-    struct gd__route copy = {0};
-    enum gd_status status = GD_OK;
-    if (to_beginning) {
-        status = gd__route_join(&copy, path->points, path->count, 0, true, work->control);
-        turned.points = copy.points;
-    }
+    struct gd_path turned;
     struct gd_vector own = *vector;
+    enum gd_status status = turn_path(work, path, to_beginning, &turned);
     if (!status) status = gd_vector_transport(work->mesh, &turned, &own, 1, work->detail);
     if (!status) *out = own;
-    gd__route_free(&copy);
+    gd_path_free(&turned);
     return status;
 }
 

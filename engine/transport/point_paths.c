@@ -5,28 +5,17 @@
 
 #include "gd/query.h"
 #include "line/route.h"
+#include "transport/lanes.h"
 #include "wavefront/workspace.h"
-
-/* Searches are independent, so each lane (thread) takes the next search when it has finished one.
- * The address of a thread's own copy of `here` identifies the thread. */
-
-enum { LANES_MOST = 2 }; /* at most 2, because a workspace has only one partner workspace */
-
-static _Thread_local char here;
 
 struct path_search {
     const struct gd_mesh *mesh;
     const struct gd_spline_request *request;
-    struct gd__share *share;
-    struct gd_control control; /* the caller's control */
-    const char *location;      /* identifies the caller's thread */
     struct gd__point_path *paths;
     const uint32_t *order;
-    uint32_t count, lanes;
-    struct gd_workspace *workspaces[LANES_MOST]; /* NULL if each search creates its own workspace */
-    atomic_uint next, done;
+    /* workspace of each lane; NULL if each search creates its own workspace */
+    struct gd_workspace *workspaces[GD__LANES];
     atomic_size_t held;
-    atomic_int status; /* the first failure; it also stops the other lane */
 };
 
 void gd__point_paths_free(struct gd__point_path *paths, uint32_t count)
@@ -36,29 +25,6 @@ void gd__point_paths_free(struct gd__point_path *paths, uint32_t count)
 }
 
 /* --- one search ------------------------------------------------------------------------------- */
-
-static bool path_search_report(void *user, double fraction)
-{
-    struct path_search *search = user;
-    if (atomic_load(&search->status)) return false;
-    if (&here != search->location || !search->control.progress) return true;
-    search->share->done = atomic_load(&search->done);
-    return search->control.progress(search->control.user, fraction);
-}
-
-static struct gd_control path_search_control(struct path_search *search,
-                                             struct gd_workspace *workspace)
-{
-    struct gd_control own = search->control;
-    size_t held = atomic_load(&search->held);
-    /* 0 means no limit */
-    if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1;
-    if (own.budget_bytes > search->lanes) own.budget_bytes /= search->lanes;
-    own.progress = path_search_report;
-    own.user = search;
-    own.workspace = workspace;
-    return own;
-}
 
 /* Searches one path. The positions of the two points determine at which of them the search starts.
  * So the result does not depend on the order of the points, even if several paths are equally
@@ -85,49 +51,23 @@ static enum gd_status path_search_one(struct path_search *search, struct gd__poi
     return GD_OK;
 }
 
-/* --- all searches ----------------------------------------------------------------------------- */
-
-static void path_search_lane(void *context, uint32_t lane)
+static enum gd_status path_search_make(void *context, uint32_t lane, uint32_t i,
+                                       const struct gd_control *control)
 {
     struct path_search *search = context;
-    for (uint32_t i; !atomic_load(&search->status) &&
-                     (i = atomic_fetch_add(&search->next, 1)) < search->count;) {
-        struct gd__point_path *point_path = &search->paths[search->order[i]];
-        const struct gd_control own = path_search_control(search, search->workspaces[lane]);
-        int none = GD_OK;
-        if (point_path->path.count) continue;
-        enum gd_status status = path_search_one(search, point_path, &own);
-        if (status) atomic_compare_exchange_strong(&search->status, &none, (int)status);
-        atomic_fetch_add(&search->done, 1);
-    }
+    struct gd__point_path *point_path = &search->paths[search->order[i]];
+    struct gd_control own = *control;
+    size_t held = atomic_load(&search->held);
+    if (point_path->path.count) return GD_OK;
+    /* 0 means no limit */
+    if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1;
+    own.workspace = search->workspaces[lane];
+    /* the memory of the other lane is needed if two searches at a time exceeded the budget */
+    if (lane == GD__LANE_ALONE && search->workspaces[1]) gd_workspace_trim(search->workspaces[1]);
+    return path_search_one(search, point_path, &own);
 }
 
-static enum gd_status path_search_in_lanes(struct path_search *search, uint32_t lanes)
-{
-    search->lanes = lanes;
-    search->workspaces[0] = search->control.workspace;
-    if (lanes > 1 && search->control.workspace)
-        search->workspaces[1] = gd__workspace_partner(search->control.workspace);
-    atomic_store(&search->next, 0);
-    atomic_store(&search->status, GD_OK);
-    gd_executor_run(lanes > 1 ? search->request->executor : NULL, path_search_lane, search, lanes);
-    search->share->done = atomic_load(&search->done);
-    return (enum gd_status)atomic_load(&search->status);
-}
-
-/* Runs all searches. If two searches at a time exceed the budget, the remaining searches run one
- * after the other. */
-static enum gd_status path_search_all(struct path_search *search)
-{
-    const struct gd_executor *executor = search->request->executor;
-    uint32_t before = search->share->done;
-    atomic_init(&search->done, before);
-    enum gd_status status = path_search_in_lanes(
-        search, executor && executor->width > 1 && search->count > 1 ? LANES_MOST : 1);
-    if (status != GD_BUDGET || search->lanes == 1) return status;
-    if (search->workspaces[1]) gd_workspace_trim(search->workspaces[1]);
-    return path_search_in_lanes(search, 1);
-}
+/* --- all searches ----------------------------------------------------------------------------- */
 
 struct span {
     double length;
@@ -192,15 +132,15 @@ enum gd_status gd__point_paths_search(const struct gd_mesh *mesh,
     enum gd_status status = check_joined(mesh, request, paths, count, detail);
     if (status) return status;
     uint32_t *order = sort(mesh, request, paths, &count);
-    struct path_search search = {.mesh = mesh,
-                                 .request = request,
-                                 .share = share,
-                                 .control = gd__share_control(share, 0),
-                                 .location = &here,
-                                 .paths = paths,
-                                 .order = order,
-                                 .count = count};
-    status = order ? path_search_all(&search) : GD_NO_MEMORY;
+    const struct gd_control control = gd__share_control(share, 0);
+    struct path_search search = {.mesh = mesh, .request = request, .paths = paths, .order = order};
+    search.workspaces[0] = search.workspaces[GD__LANE_ALONE] = control.workspace;
+    if (control.workspace && request->executor)
+        search.workspaces[1] = gd__workspace_partner(control.workspace);
+    atomic_init(&search.held, 0);
+    const struct gd__lanes lanes = {request->executor, &control, share, count,
+                                    path_search_make,  &search};
+    status = order ? gd__lanes_run(&lanes) : GD_NO_MEMORY;
     free(order);
     return status ? gd_fail_status(detail, status) : GD_OK;
 }

@@ -25,35 +25,21 @@ void gd_spline_line_free(struct gd_spline_line *line)
 
 /* --- one sampled place ------------------------------------------------------------------------ */
 
-/* Computes the direction at the beginning of a polygon. Leaves *found false if the polygon has the
- * length 0. */
-static enum gd_status begins_in(const struct gd_mesh *mesh, const struct gd__polygon *polygon,
-                                bool *found, struct gd_direction *out)
+/* Computes the direction of the curve at the beginning (side 0) or the end (side 1) of a polygon.
+ * Leaves *found false if the polygon has the length 0. */
+static enum gd_status direction_at(const struct gd_mesh *mesh, const struct gd__polygon *polygon,
+                                   int side, bool *found, struct gd_direction *out)
 {
     double turn;
     for (int k = 0; k < 3 && !*found; k++) {
-        const struct gd__route *arm = &polygon->arms[k];
+        const struct gd__route *arm = &polygon->arms[side ? 2 - k : k];
         if (arm->count < 2) continue;
-        enum gd_status status = gd__route_ahead(mesh, arm->points, arm->count, &turn);
+        const struct gd_point *at = &arm->points[side ? arm->count - 1 : 0];
+        enum gd_status status = side ? gd__route_back(mesh, arm->points, arm->count, &turn)
+                                     : gd__route_ahead(mesh, arm->points, arm->count, &turn);
         if (status) return status;
-        *out = gd__turn_direction(mesh, &arm->points[0], turn);
-        *found = true;
-    }
-    return GD_OK;
-}
-
-static enum gd_status ends_in(const struct gd_mesh *mesh, const struct gd__polygon *polygon,
-                              bool *found, struct gd_direction *out)
-{
-    double turn;
-    for (int k = 3; k-- > 0 && !*found;) {
-        const struct gd__route *arm = &polygon->arms[k];
-        if (arm->count < 2) continue;
-        const struct gd_point *end = &arm->points[arm->count - 1];
-        enum gd_status status = gd__route_back(mesh, arm->points, arm->count, &turn);
-        if (status) return status;
-        struct gd_direction back = gd__turn_direction(mesh, end, turn);
-        *out = gd_direction_opposite(mesh, end, &back);
+        struct gd_direction way = gd__turn_direction(mesh, at, turn);
+        *out = side ? gd_direction_opposite(mesh, at, &way) : way;
         *found = true;
     }
     return GD_OK;
@@ -69,8 +55,8 @@ static enum gd_status sample_describe(struct sampling *s, const struct gd__polyg
     struct gd_spline_place place = {.parameter = parameter, .speed = speed};
     bool found = false;
     place.point = end->count ? end->points[end->count - 1] : right->arms[0].points[0];
-    enum gd_status status = begins_in(mesh, right, &found, &place.tangent);
-    if (!status) status = ends_in(mesh, left, &found, &place.tangent);
+    enum gd_status status = direction_at(mesh, right, 0, &found, &place.tangent);
+    if (!status) status = direction_at(mesh, left, 1, &found, &place.tangent);
     if (!found) place.tangent = gd_trace_fan(mesh, &place.point, 1, 0);
     if (!status) s->places[s->count++] = place;
     return status;

@@ -1,18 +1,5 @@
-#include <stdlib.h>
-
 #include "gd/spline.h"
-
-/* Moves the points of the line into a curve; a closed curve does not repeat its first point. */
-static struct gd_curve spline_curve_take(struct gd_spline_line *line, bool closed)
-{
-    struct gd_curve curve = {
-        .points = line->path.points, .count = line->path.count, .closed = closed};
-    while (closed && curve.count > 1 &&
-           gd_point_equal(&curve.points[0], &curve.points[curve.count - 1]))
-        curve.count--;
-    line->path.points = NULL;
-    return curve;
-}
+#include "transport/pieces.h"
 
 enum gd_status gd_spline_curve(const struct gd_mesh *mesh, const struct gd_spline_request *request,
                                const struct gd_control *control, struct gd_curve *out,
@@ -27,7 +14,9 @@ enum gd_status gd_spline_curve(const struct gd_mesh *mesh, const struct gd_splin
     status = gd_spline_sample(mesh, &sampling, control, &line, detail);
     gd_spline_free(&spline);
     if (status) return status;
-    *out = spline_curve_take(&line, request->closed);
+    struct gd__route route = {.points = line.path.points, .count = line.path.count};
+    line.path.points = NULL;
+    *out = gd__route_take_curve(&route, request->closed);
     gd_spline_line_free(&line);
     return GD_OK;
 }
