@@ -1,5 +1,5 @@
-/* glTF writing: the state of one file. gltf_write.c writes the mesh and the lines, gltf_motion.c the
- * moving object, gltf_layers.c the layers.
+/* glTF writing: the state of one file. gltf_write.c writes the mesh and the lines, gltf_motion.c
+ * the moving object, gltf_layers.c the layers.
  *
  * Each kind of content appends its nodes, materials, meshes, views, accessors and bytes to the
  * buffers of these lists. gltf_write.c joins the buffers to a file. */

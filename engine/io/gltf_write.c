@@ -1,7 +1,7 @@
 /* Writes glTF: one scene, as binary (GLB) or as JSON with embedded data. The contents are described
- * in gd/result_file.h. The data is, in this order: positions, indices, colours, distances, points of
- * the lines, data of the moving object, data of the layers. Each kind has one view and one accessor,
- * except that each line and each layer has its own accessor. */
+ * in gd/result_file.h. The data is, in this order: positions, indices, colours, distances, points
+ * of the lines, data of the moving object, data of the layers. Each kind has one view and one
+ * accessor, except that each line and each layer has its own accessor. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -39,7 +39,8 @@ void gd__energy_expand(const struct gd__chain *chain, const struct gd__piece *pi
 void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
                      double *bend, double *length);
 
-/* Returns the length of a span, by Gauss's rule of `gauss` points on each of `parts` equal parts. */
+/* Returns the length of a span, by Gauss's rule of `gauss` points on each of `parts` equal
+ * parts. */
 double gd__energy_length(const struct gd__chain *chain, const struct gd__piece *piece,
                          uint32_t span, int gauss, int parts);
 

@@ -15,8 +15,8 @@
  * wait for itself.
  *
  * Workspaces keep the scratch memory of a call for the next one. They form a stack: a call borrows
- * the most recently used workspace. Idle workspaces are reclaimed before all caches, the longest idle
- * first. The bytes of a borrowed workspace are SERVER_BUDGET_FLIGHT. All functions are
+ * the most recently used workspace. Idle workspaces are reclaimed before all caches, the longest
+ * idle first. The bytes of a borrowed workspace are SERVER_BUDGET_FLIGHT. All functions are
  * thread-safe. */
 #ifndef SERVER_WORK_BUDGETED_CALL_H
 #define SERVER_WORK_BUDGETED_CALL_H
