@@ -1,4 +1,4 @@
-/* geodesicd: the program: its commands, signals and sandbox. */
+/* The program geodesicd: its commands, signals and sandbox. */
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>

@@ -11,7 +11,7 @@
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 
-/* bytes of the JSON of a query or of a change, and of a new batch */
+/* limits on the bytes of the JSON of a query or a change, and of a new batch */
 #define QUERY_BODY_LIMIT  (UINT64_C(1) << 20)
 #define BATCH_BODY_LIMIT  (UINT64_C(4) << 20)
 #define INLINE_BODY_LIMIT 8192 /* larger JSON is parsed by a worker */

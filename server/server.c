@@ -109,9 +109,9 @@ static void server_tick(struct server *server, uint64_t now_ns)
     server_events_tick(server->host.events, now_ns);
 }
 
-/* Waits for the next tick. While requests are deferred, a wake does not shorten the wait. The
- * thread is woken each time that the number of deferred requests rises from zero, which is often.
- * False if the thread must end. */
+/* Waits for the next tick. While requests are deferred, a wake does not shorten the wait, because
+ * wakes are frequent: there is one each time that the number of deferred requests rises from zero.
+ * Returns false if the thread must end. */
 static bool deadlines_wait(struct server *server, struct server_thread *thread)
 {
     if (atomic_load(&server->host.deferred)) return server_thread_sleep(thread, TICK_NS);
@@ -126,7 +126,8 @@ static void deadlines_run(void *user, struct server_thread *thread)
 }
 
 /* Returns free memory between other blocks to the system. Otherwise, after an hour of uploads and
- * deletes, the allocator keeps a fifth of a small memory budget, uncounted. */
+ * deletes, the allocator keeps memory that the budget does not count, up to a fifth of a small
+ * budget. */
 static void heap_trim_run(void *user, struct server_thread *thread)
 {
     (void)user;

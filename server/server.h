@@ -62,13 +62,13 @@ void server_router_begin(struct server_exchange *exchange);
  * with a reply, or with `work` set: then the caller submits the exchange. */
 void server_router_end(struct server_exchange *exchange);
 
-/* Sets the deadline and calls the handler. Returns as server_router_end. */
+/* Sets the deadline and calls the handler. Returns like server_router_end. */
 void server_router_dispatch(struct server_exchange *exchange);
 
 /* --- metrics (gauges.c) ----------------------------------------------------------------------- */
 
-/* Appends the metrics of a tenant, of its keys and jobs, as text for Prometheus. `tenant`
- * NULL: the metrics of the whole daemon. `user` is the struct server. Thread-safe. */
+/* Appends the metrics of a tenant, its keys and its jobs as text for Prometheus. If `tenant` is
+ * NULL, appends those of the whole daemon. `user` is the struct server. Thread-safe. */
 void server_gauges_write(void *user, const char *tenant, struct proto_writer *writer);
 
 #endif

@@ -14,7 +14,7 @@
 
 struct server_access;
 
-/* The rights of an exchange until it ends. All zero: none. */
+/* The rights of an exchange until it ends. All zero means no rights. */
 struct server_grant {
     struct server_credentials *keys;     /* a reference to the set that contains `key` */
     const struct server_credential *key; /* NULL means no key */
@@ -44,16 +44,17 @@ bool server_access_admit(struct server_access *access, const struct server_acces
 /* Returns the name of the key, for the log, or NULL if there is none. */
 const char *server_grant_name(const struct server_grant *grant);
 
-/* Returns the tenant of the request (kind.h), valid as long as the grant; "": none. */
+/* Returns the tenant of the request (kind.h), or "" if there is none. Valid as long as the
+ * grant. */
 const char *server_grant_tenant(const struct server_grant *grant);
 
-/* Returns whether the grant may change jobs, batches and fields that the given key of its tenant
- * made. A key with the role write may change what any key of its tenant made. Any other key may
- * change only what it made itself. Otherwise returns false with the problem forbidden. */
+/* Returns whether the grant may change jobs, batches and fields of `key`, a key of its tenant. With
+ * the role write it may change those of all keys of its tenant, otherwise only those of its own
+ * key. On refusal sets the problem forbidden. */
 bool server_grant_may_change(const struct server_grant *grant, const char *key,
                              struct proto_problem *problem);
 
-/* Returns whether the grant may see all tenants; true without keys. */
+/* Returns whether the grant may see all tenants. Returns true if the daemon has no keys. */
 bool server_grant_is_operator(const struct server_grant *grant);
 
 /* Copies the grant. From then on `to`, instead of `from`, counts as a concurrent request. The
@@ -76,7 +77,7 @@ void server_access_write(struct server_access *access, const char *tenant,
  * The members are headers. NULL means that the request has no such header. */
 struct server_guard_request {
     const char *host, *origin, *fetch_site;
-    bool is_http10; /* needs no Host */
+    bool is_http10; /* true if the request may omit Host */
 };
 
 /* Returns whether --cors-origin lists the origin; false for NULL. Thread-safe. */

@@ -198,7 +198,7 @@ void server_credentials_release(struct server_credentials *keys)
     free(keys);
 }
 
-/* Compares two digests. The time does not depend on the place where they differ. */
+/* Compares two digests. The time does not depend on the position where they differ. */
 static bool digests_match(const char a[SERVER_SHA256_HEX], const char b[SERVER_SHA256_HEX])
 {
     volatile unsigned char difference = 0;

@@ -6,11 +6,12 @@
  *     viewer  sha256:60303a…      role=read tenant=ci
  *     watch   sha256:cd42404d…    role=operator
  *
- * Each key is a tenant with its own names of surfaces, unless tenant= names another one; "tenant="
- * alone is the tenant of a daemon without keys.
+ * Each key is a tenant with its own names of surfaces, unless tenant= names another tenant. An
+ * empty "tenant=" names the tenant of a daemon without keys.
  *
  * A key has 258 random bits and is shown once. The file holds only its SHA-256. A set of keys is
- * immutable and reference-counted. A new file makes a new set, in which a name keeps its quota. */
+ * immutable and reference-counted. Reading a new file makes a new set, in which each name keeps its
+ * quota. */
 #ifndef SERVER_ACCESS_CREDENTIALS_H
 #define SERVER_ACCESS_CREDENTIALS_H
 

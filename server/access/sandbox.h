@@ -12,7 +12,8 @@
  *   - in the folders of files that SIGHUP reads again, and in the folders of the files to which
  *     these link: reading;
  *   - in the folder of a unix socket: making and removing sockets;
- *   - TCP (Linux 6.7): no further port, and connections only to the ports of a database;
+ *   - TCP (Linux 6.7): no listening on further ports, and connections only to the ports of a
+ *     database;
  *   - files of a database (certificates, passwords, the files that resolve names): reading;
  *   - signals and abstract sockets (Linux 6.12): none to other processes.
  *
@@ -31,7 +32,7 @@
 
 #include "server/config/address.h"
 
-/* The rights that the daemon keeps. NULL and "": none. */
+/* The rights that the daemon keeps. NULL or "" means none. */
 struct server_sandbox_needs {
     const char *folder;                   /* read and written; must exist */
     const char *files[3];                 /* SIGHUP rereads them; must exist */

@@ -10,8 +10,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Outcome of a write or a read. The object is a file in this header, and a surface or a row in
- * server/store. */
+/* Outcome of a write or a read: of a file in this header, of a surface or a row in server/store. */
 enum server_outcome {
     SERVER_STORE_DONE,
     SERVER_STORE_CREATED,      /* done; the name was free (only returned by the registry) */
@@ -38,11 +37,12 @@ bool server_disk_exists(const char *path);
  * folder durable, even if the process that created the folder was killed. */
 enum server_outcome server_disk_make_folder(const char *path);
 
-/* Writes a file as `temporary` and renames it to `path`, on the same file system, durably. */
+/* Durably writes the file `temporary`, then renames it to `path` on the same file system. */
 enum server_outcome server_disk_write(const char *path, const char *temporary, const void *bytes,
                                       size_t size);
 
-/* Opens a regular file to read; never blocks on a FIFO or a device. NULL: see server_disk_why. */
+/* Opens a regular file for reading. Never blocks on a FIFO or a device. If the result is NULL,
+ * server_disk_why gives the reason. */
 FILE *server_disk_stream(const char *path);
 
 /* Describes errno after a failed call of this file. */

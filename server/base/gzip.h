@@ -48,7 +48,7 @@ enum server_inflate_outcome server_inflate(struct server_inflater *inflater, con
 /* Returns true if the input ended with a complete member. */
 bool server_inflater_is_whole(const struct server_inflater *inflater);
 
-/* Returns the CRC-32 of the bytes, continued from `sum` (0: from the beginning). */
+/* Returns the CRC-32 of the bytes, continued from `sum`, which is 0 at the beginning. */
 uint32_t server_crc32(uint32_t sum, const void *bytes, size_t size);
 
 #endif

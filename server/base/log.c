@@ -45,7 +45,7 @@ static char *line_put(char *at, const char *bytes, size_t size)
     return (char *)memcpy(at, bytes, size) + size;
 }
 
-/* Appends a member with a value in JSON; nothing if the line has no room for it. */
+/* Appends a member whose value is JSON, if the line has room for it. */
 static void line_append(struct server_log_line *line, const char *key, const char *value,
                         size_t size)
 {
@@ -134,7 +134,7 @@ struct text {
     char bytes[GATHERED_MOST];
 };
 
-/* Not in `output`, whose initial value would add them to the program's file. */
+/* Not members of `output`, because its initial value would then add them to the program's file. */
 static struct text texts[2];
 
 static struct {
@@ -165,8 +165,8 @@ static bool stderr_wait(int milliseconds)
     return found > 0 || (found < 0 && errno == EINTR);
 }
 
-/* Writes `most` bytes at a time. Stops at an error, and after `patience_ms` without room (negative:
- * no limit). Counts the lines that remain as dropped. */
+/* Writes `most` bytes at a time. Stops at an error, and after `patience_ms` without room (negative
+ * means no limit). Counts the lines that remain as dropped. */
 static void stderr_write(const char *bytes, size_t size, size_t most, int patience_ms)
 {
     while (size) {
@@ -337,7 +337,8 @@ static void on_crash(int number, siginfo_t *info, void *context)
         if (crashes[i] == number) sigaction(number, &earlier[i], NULL);
     for (int i = 0; i < CRASH_MS && atomic_load(&output.is_behind); i++) poll(NULL, 0, 1);
     errno = saved;
-    /* si_code <= 0: sent by a process; a fault recurs by itself when the instruction runs again */
+    /* si_code <= 0 means that a process sent the signal; a fault recurs when the instruction runs
+       again */
     if (info->si_code <= 0) raise(number);
 }
 

@@ -22,7 +22,7 @@
 
 enum server_log_level { SERVER_LOG_DEBUG, SERVER_LOG_INFO, SERVER_LOG_WARN, SERVER_LOG_ERROR };
 
-/* "debug" and so on, by level; NULL-terminated. */
+/* Names of the levels ("debug" and so on), by level; NULL-terminated. */
 extern const char *const server_log_levels[];
 
 #define SERVER_LOG_LINE 2048

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-struct server_names { /* all zero: an empty set */
+struct server_names { /* all zero is an empty set */
     void *root;       /* root of a tree of tsearch(3) */
     size_t count;
     bool is_incomplete; /* true if a name may be missing, because memory was short */

@@ -1,4 +1,4 @@
-/* Version: shown by --version, GET /v1 and the metrics. */
+/* Version: the version that --version, GET /v1 and the metrics show. */
 #ifndef SERVER_BASE_VERSION_H
 #define SERVER_BASE_VERSION_H
 

@@ -424,7 +424,7 @@ static bool load_environment(struct loader *loader)
 
 struct flag {
     const struct option *option;
-    const char *value; /* NULL of switches */
+    const char *value; /* NULL for a switch */
 };
 
 /* Reads the flag argv[*at], and its value if that is argv[*at + 1]. Advances `*at`. `argv` ends

@@ -43,8 +43,8 @@ static void body_drop_inflater(struct server_body *body)
     body->inflater = NULL;
 }
 
-/* Doubles the capacity, so that copying is linear, up to the declared length. A client that only
- * declares a length takes no memory. */
+/* Doubles the capacity (so that copying is linear), but not beyond the declared length. A client
+ * that only declares a length takes no memory. */
 static bool body_grow(struct server_body *body, size_t needed)
 {
     size_t capacity = body->capacity ? 2 * body->capacity : FIRST_CAPACITY;

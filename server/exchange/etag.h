@@ -1,6 +1,7 @@
 /* Entity tags and the preconditions of requests. RFC 9110, 8.8.3 and 13.
  *
- * A strong tag never names two different sequences of bytes, so each representation has its own:
+ * A strong tag never names two different sequences of bytes, so each representation has its own
+ * tag:
  *     abc               the resource (a mesh, a NURBS surface, a page), and its description
  *     abc-d0123….1      its description with a client's own text, whose hash is 0123…
  *     abc-csv.1         an answer computed from abc, in the form "csv" of format version 1
@@ -10,9 +11,8 @@
  *     If-None-Match of GET and HEAD    weak, with the selected representation, compressed or not
  *     If-Match                         strong, with the resource and all its representations
  *     If-None-Match of other methods   weak, with the resource and all its representations
- * If a request changes the resource, the tag of a description matches only if it is the current
- * one. Conditions on dates and ranges are ignored: no resource has a date, and no range is
- * served. */
+ * For a request that changes the resource, only the current tag of a description matches.
+ * Conditions on dates and ranges are ignored: no resource has a date, and no range is served. */
 #ifndef SERVER_EXCHANGE_ETAG_H
 #define SERVER_EXCHANGE_ETAG_H
 
@@ -65,7 +65,7 @@ enum server_etag_form server_precondition_known(const struct server_precondition
 bool server_precondition_holds(const struct server_precondition *precondition, const char *etag);
 
 /* Returns whether both conditions allow a change of the resource, whose description contains the
- * client's `text`. `etag` NULL: the resource does not exist. */
+ * client's `text`. `etag` is NULL if the resource does not exist. */
 bool server_precondition_allows(const struct server_precondition *precondition, const char *etag,
                                 const char *text);
 

@@ -107,7 +107,7 @@ struct server_lent {
 struct server_response {
     unsigned status; /* 0 if not answered yet */
     const char *media_type;
-    enum proto_problem_code problem; /* PROTO_PROBLEM_NONE: none */
+    enum proto_problem_code problem; /* PROTO_PROBLEM_NONE means none */
     const void *body;
     void *owned; /* equals `body` if the body must be freed; NULL means that the body is static */
     struct server_lent lent;
@@ -145,7 +145,7 @@ struct server_host {
     struct server_metrics *metrics;
     uint64_t timeout_ms, slow_ms, queue_length;
     bool has_cors_origins;
-    char frame_ancestors[256]; /* origins that may frame pages; empty: none */
+    char frame_ancestors[256]; /* origins that may frame pages; empty means none */
     /* Sets the deadline and calls the handler of the exchange's route. On return the exchange has a
        reply, or its `work` is set. In the second case the caller submits the exchange. */
     void (*dispatch)(struct server_exchange *exchange);
@@ -199,8 +199,8 @@ struct server_exchange {
 
     struct server_response response;
 
-    /* These and the response's headers are not initialized, except for counted elements: clearing
-     * them takes longer than the rest of a short request. */
+    /* Of these arrays and of the response's headers, only the items that are counted are
+     * initialized, because clearing all would take longer than the rest of a short request. */
     struct proto_parameter parameter_list[SERVER_EXCHANGE_PARAMETERS];
     struct server_request_header headers[SERVER_EXCHANGE_HEADERS];
     char name[PROTO_MESH_NAME + 1]; /* of server_request_key */
@@ -282,10 +282,11 @@ void server_exchange_log(const struct server_exchange *exchange, struct server_l
 
 bool server_exchange_is(const struct server_exchange *exchange, const char *method);
 
-/* Shortens the deadline to `timeout_ms` after the start of the work; 0: does not change it. */
+/* Shortens the deadline to `timeout_ms` after the start of the work; 0 does not change it. */
 void server_exchange_shorten(struct server_exchange *exchange, uint64_t timeout_ms);
 
-/* Sets the handler's state. It is freed with the exchange, or when a deferred one is answered. */
+/* Sets the handler's state. It is freed with the exchange, or when a deferred exchange is
+ * answered. */
 void server_exchange_keep(struct server_exchange *exchange, void *state,
                           void (*free_state)(void *state));
 
@@ -307,9 +308,9 @@ struct server_monitor {
     struct server_exchange *exchange;
     struct server_pending_build *build; /* the build whose field the call computes; may be NULL */
     bool (*is_awaited)(struct server_pending_build *build); /* set with `build` */
-    /* the call is the part [begun, begun + share] of the exchange's progress; share 0: all of it */
+    /* the call is the part [begun, begun + share] of the exchange's progress; share 0 means all */
     double begun, share;
-    uint64_t limit_ns; /* an own deadline of the call, before that of the request; 0 means none */
+    uint64_t limit_ns; /* a deadline of the call before that of the request; 0 means none */
 };
 struct gd_control server_exchange_control(struct server_monitor *monitor);
 

@@ -18,8 +18,8 @@ struct server_metrics;
 struct server_metrics *server_metrics_create(const struct proto_route *routes, size_t route_count);
 void server_metrics_destroy(struct server_metrics *metrics); /* NULL is allowed */
 
-/* Counts an answered request, and its problem (PROTO_PROBLEM_NONE: none). `route` is a row of the
- * table; NULL: none was found. */
+/* Counts an answered request, and its problem unless that is PROTO_PROBLEM_NONE. `route` is a row
+ * of the table, or NULL if no row was found. */
 void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route,
                           unsigned status, enum proto_problem_code problem, uint64_t nanoseconds);
 

@@ -32,8 +32,8 @@ struct server_host;
 struct server_relay;
 struct server_stream;
 
-/* Creates a relay with one reference. `is_packed`: compress the text. Returns NULL if out of
- * memory. */
+/* Creates a relay with one reference, which compresses the text if `is_packed` is true. Returns
+ * NULL if out of memory. */
 struct server_relay *server_relay_create(struct server_host *host, bool is_packed);
 void server_relay_release(struct server_relay *relay); /* NULL is allowed */
 
@@ -51,7 +51,7 @@ bool server_relay_wait(struct server_relay *relay, struct server_job *job);
  * cut, or the daemon is stopping. */
 bool server_relay_block(struct server_relay *relay);
 
-/* Ends the text. `is_whole` false: the client sees that the answer was cut. */
+/* Ends the text. If `is_whole` is false, the client sees that the answer was cut. */
 void server_relay_end(struct server_relay *relay, bool is_whole);
 
 /* Returns true if the client has disconnected or the answer was cut. */

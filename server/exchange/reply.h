@@ -44,7 +44,8 @@ void server_reply_coding(struct server_exchange *exchange, bool is_packed);
 /* Replies with a static file, compressed if the client accepts compression. */
 void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset);
 
-/* Replies with the text of the writer, then the lent bytes, neither copied nor compressed. */
+/* Replies with the text of the writer, followed by the lent bytes. These are neither copied nor
+ * compressed. */
 void server_reply_lent(struct server_exchange *exchange, unsigned status, const char *media_type,
                        struct proto_writer *head, const struct server_lent *lent);
 

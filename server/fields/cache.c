@@ -213,7 +213,7 @@ static struct entries *bucket_of(struct server_cache *cache, const struct field_
     return &cache->buckets[key->hash % BUCKETS];
 }
 
-/* Returns the entry of these seeds, of any reach; or NULL. */
+/* Returns the entry of these seeds, whatever its reach, or NULL. */
 static struct entry *table_find(const struct server_mesh_cache *fields, const struct field_key *key)
 {
     struct entry *entry;

@@ -107,9 +107,9 @@ enum server_cache_turn server_cache_enter(struct server_mesh_cache *fields,
                                           const struct gd_point *source, struct server_job *job,
                                           struct server_pending_build **build);
 
-/* Like server_cache_enter, for a request that needs the field and has no target. Together with
- * SEARCH it sets `*why`: GD_NO_MEMORY, GD_CANCELLED, or the error of a build of this field that
- * failed less than a second ago. */
+/* Like server_cache_enter, but the request needs the field and has no target. With SEARCH it sets
+ * `*why`: GD_NO_MEMORY, GD_CANCELLED, or the error of a build of this field that failed less than a
+ * second ago. */
 enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
                                           const struct gd_field_request *request,
                                           struct server_job *job,

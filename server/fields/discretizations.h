@@ -5,11 +5,11 @@
  *     ... fine->mesh ...
  *     server_discretization_release(fine);
  *
- * DESIGN. A surface has a *slot* with two places for each level. The first request that finds a
- * level missing builds it. Other requests wait in their workers and check their deadlines every few
- * milliseconds. If the builder fails, a waiting request becomes the builder. The built grids and
- * meshes are kept in a list (lru.h), and evicted before any mesh of a client, because a rebuild
- * takes less than a second. All functions are thread-safe. */
+ * DESIGN. A surface has a *slot*, with one grid and one mesh for each level. The first request that
+ * finds a level missing builds it. Other requests wait in their workers and check their deadlines
+ * every few milliseconds. If the builder fails, a waiting request becomes the builder. The built
+ * grids and meshes are kept in a list (lru.h), and evicted before any mesh of a client, because a
+ * rebuild takes less than a second. All functions are thread-safe. */
 #ifndef SERVER_FIELDS_DISCRETIZATIONS_H
 #define SERVER_FIELDS_DISCRETIZATIONS_H
 
@@ -25,10 +25,10 @@ struct server_discretization {
     struct gd_limit_grid *grid;
 };
 
-/* places of a slot: the meshes of all levels, then the grids */
+/* items of a slot: the meshes of all levels, then the grids */
 #define SERVER_DISCRETIZATION_PLACES (2 * (GD_LIMIT_LEVEL_MOST + 1))
 
-struct server_discretization_slot {                 /* slot of one surface; all zero: empty */
+struct server_discretization_slot {                 /* slot of one surface; all zero means empty */
     _Atomic(struct server_discretizations *) owner; /* NULL until a request uses the slot */
     /* guarded by the owner's lock: */
     struct server_lru_item *levels[SERVER_DISCRETIZATION_PLACES]; /* NULL if not kept */
@@ -47,7 +47,7 @@ struct server_discretization_request {       /* all borrowed for the call */
     struct server_discretization_slot *slot; /* slot of the surface */
     const struct gd_subdivision *surface;
     uint32_t level;            /* <= GD_LIMIT_LEVEL_MOST */
-    bool wants_grid;           /* true: a grid; false if a mesh */
+    bool wants_grid;           /* true for a grid, false for a mesh */
     struct gd_control control; /* its budget and its workspace must be unset */
     struct gd_detail *detail;
 };

@@ -29,8 +29,8 @@
 /* Least bytes between two checks: half of the rate, because acknowledgements come in bursts. */
 #define ACKNOWLEDGED (PATIENCE_NS / SECOND_NS * ANSWER_RATE / 2)
 
-#define RESERVE_PART 8         /* 1/8 of all places */
-#define SCARCE_PART  2         /* places are scarce if less than 1/2 of the reserve is free */
+#define RESERVE_PART 8         /* 1/8 of the allowed connections */
+#define SCARCE_PART  2         /* shortage: less than 1/2 of the reserve is free */
 #define YOUNG_NS     SECOND_NS /* age of a head that has just begun */
 /* time limit of clients that don't read, while memory for answers is short */
 #define HASTE_NS     (10 * SECOND_NS)
@@ -38,7 +38,7 @@
 /* number of groups of addresses; a hash assigns addresses to groups */
 #define ADDRESSES 1024
 
-/* In the low bits of a deadline. */
+/* The phase of a connection, stored in the low bits of its deadline. */
 enum phase { PHASE_OTHER, PHASE_IDLE, PHASE_HEAD, PHASE_ANSWER };
 #define PHASES UINT64_C(3)
 #define NEVER  (UINT64_MAX & ~PHASES)
@@ -170,7 +170,7 @@ void server_connections_check(struct server_connections *connections, uint64_t n
 
 /* --- the reserve ------------------------------------------------------------------------------ */
 
-/* Returns the number of connections that must be shut down so that `free` places are free.
+/* Returns the number of connections that must be shut down so that `free` can be opened.
  * Connections that were already shut down do not count as open. */
 static uint32_t connections_excess(struct server_connections *connections, uint32_t free)
 {

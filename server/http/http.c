@@ -467,8 +467,8 @@ static struct MHD_Daemon *http_start_library(struct server_http *http)
     unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC |
                      MHD_USE_ERROR_LOG | (http->parts.tls ? MHD_USE_TLS : 0);
     unsigned most = connection_limit(config), threads = (unsigned)config->http_threads;
-    /* at most three quarters of all connections for one address, so that others find a place; 0
-       means no limit */
+    /* at most three quarters of all connections for one address, so that other clients can connect;
+       0 means no limit */
     unsigned own = (unsigned)config->max_address_connections, all_but_some = most - most / 4;
     unsigned silence = config->listen.socket.ss_family == AF_UNIX ? SILENCE_SECONDS : 0;
     server_connections_limit(http->parts.connections, most);
@@ -503,7 +503,7 @@ struct server_http *server_http_start(const struct server_http_parts *parts, int
     return NULL;
 }
 
-/* Does not use MHD_quiesce_daemon, because it removes the listening socket from the epoll set of
+/* Does not use MHD_quiesce_daemon, because that removes the listening socket from the epoll set of
  * each thread. A thread that wakes at that moment also removes it, and the second removal aborts
  * the program (version 0.9.75, one stop in three thousand). Instead dup2 replaces the socket, under
  * the same descriptor number, by a socket without a peer. The kernel removes the closed socket from

@@ -1,5 +1,5 @@
-/* Batch queue: batches (proto/queries/many.h) as rows: their documents, and each item's lease and
- * answer. The first daemon with a free worker claims the next item.
+/* Batch queue: stores batches (proto/queries/many.h) as rows of a database: their documents, and
+ * each item's lease and answer. The first daemon with a free worker claims the next item.
  *
  *     batches  id, tenant, document, etag, items, created, cancelled
  *     items    batch, item, lease, node, attempts, status, answer, number
@@ -44,7 +44,7 @@ struct server_batch_order {
     const char *tenant;
     const void *document; /* as the client sent it */
     size_t size;
-    const char *etag; /* ETag of the mesh that all items use; "": items use several meshes */
+    const char *etag; /* ETag of the mesh that all items use; "" if they use several meshes */
 };
 
 /* Adds a batch. Has no effect if the batch exists. */
@@ -55,7 +55,7 @@ enum server_outcome server_batch_queue_add(struct server_store_sql *sql,
 enum server_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant,
                                              int64_t *count);
 
-/* Finds the tenant's batch. ABSENT: there is none. */
+/* Finds the tenant's batch. Returns ABSENT if there is none. */
 enum server_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
                                             const char *id, struct server_batch *out);
 
@@ -64,11 +64,11 @@ struct server_batch_list {
     uint32_t most, count;
 };
 
-/* Lists the tenant's batches with ids above `after` ("": from the first). */
+/* Lists the tenant's batches with ids above `after`; "" means all. */
 enum server_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant,
                                             const char *after, struct server_batch_list *list);
 
-/* Reads the document of a batch, malloc'ed. ABSENT: there is no such batch. */
+/* Reads the document of a batch; the caller frees it. Returns ABSENT if there is no such batch. */
 enum server_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id,
                                                 void **document, size_t *size);
 
@@ -76,10 +76,11 @@ enum server_outcome server_batch_queue_document(struct server_store_sql *sql, co
 struct server_batch_place {
     const char *id;
     int64_t after;     /* number of an item or of an answer; -1 means before the first one */
-    bool is_by_number; /* true if answers are sorted by number, false: by item */
+    bool is_by_number; /* true if answers are sorted by number, false if by item */
 };
 
-/* Visits the next SERVER_BATCH_ANSWERS answers, sorted: item, status, answer, item or number. */
+/* Visits the next SERVER_BATCH_ANSWERS answers. The columns of a row are item, status, answer, and
+ * the value by which the rows are sorted (number or item). */
 enum server_outcome server_batch_queue_answers(struct server_store_sql *sql,
                                                const struct server_batch_place *place,
                                                server_sql_visit *visit, void *user);
@@ -95,13 +96,13 @@ struct server_batch_claim {
 
 /* Claims the next item for the daemon `node`. Tenants take turns: the function chooses the next
  * tenant after `after`, in cyclic order, that has an unclaimed item, and claims an item of this
- * tenant's oldest batch. `after` is the tenant of the item that was claimed last. ABSENT: there is
- * no item at the moment. */
+ * tenant's oldest batch. `after` is the tenant of the item that was claimed last. Returns ABSENT if
+ * there is no item at the moment. */
 enum server_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
                                              const char *after, struct server_batch_claim *out);
 
-/* Renews the lease of an item. ABSENT: another daemon has claimed the item, or it is answered or
- * cancelled. */
+/* Renews the lease of an item. Returns ABSENT if another daemon has claimed the item, or if it is
+ * answered or cancelled. */
 enum server_outcome server_batch_queue_renew(struct server_store_sql *sql,
                                              const struct server_batch_claim *claim,
                                              const char *node);

@@ -28,7 +28,7 @@ struct item {
     char tag[SERVER_ETAG + 2]; /* If-Match, quoted */
     /* guarded by the runner's lock: */
     struct item *next;
-    struct server_exchange *exchange; /* NULL: answered */
+    struct server_exchange *exchange; /* NULL means answered */
     unsigned status;                  /* 0 if not answered */
     /* used by the thread after the item is answered: */
     char *answer; /* NULL means that there is no answer, or that memory for the answer was short */
@@ -45,7 +45,7 @@ struct server_batch_runner {
     char path[SERVER_DISK_PATH];            /* path of the queue's file; unused with PostgreSQL */
     struct item *items;                     /* guarded by the lock; only the thread removes items */
     uint64_t news;                          /* under the lock */
-    /* a bit for each place whose batches have changed; guarded by the lock */
+    /* a bit for each of `places` whose batches have changed; guarded by the lock */
     unsigned due;
     /* the addresses at which jobs are parked: see place_of */
     char places[PLACES];
@@ -215,14 +215,14 @@ static void item_settle(struct server_batch_runner *runner, const struct item *i
     }
 }
 
-/* Returns the place at which jobs wait for changes of that batch: the last digit of the batch's
- * id. */
+/* Returns the index in `places` of the address at which jobs wait for changes of that batch. It is
+ * the last digit of the batch's id. */
 static unsigned place_of(const char *id)
 {
     return (unsigned)strtoul(id + SERVER_BATCH_ID - 2, NULL, 16) % PLACES;
 }
 
-/* Records that a batch has changed. `id` NULL: all batches have changed. */
+/* Records that a batch has changed; if `id` is NULL, that all batches have. */
 static void runner_note(struct server_batch_runner *runner, const char *id)
 {
     SERVER_LOCK(&runner->lock);

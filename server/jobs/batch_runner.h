@@ -7,8 +7,8 @@
  * answers, and returns items that failed for lack of time, memory or workers (503, 504, 507). A
  * drain returns all running items.
  *
- * The queue is in the store's database: PostgreSQL, or SQLite in a file of the data folder that the
- * first batch creates. With a store in memory, the queue is in memory, too. */
+ * The queue is in the store's database: in PostgreSQL, or in a SQLite file in the data folder,
+ * which the first batch creates. With a store in memory, the queue is in memory, too. */
 #ifndef SERVER_JOBS_BATCH_RUNNER_H
 #define SERVER_JOBS_BATCH_RUNNER_H
 
@@ -42,8 +42,8 @@ const char *server_batch_runner_health(struct server_batch_runner *runner);
 /* Signals that the queue has a new batch. */
 void server_batch_runner_wake(struct server_batch_runner *runner);
 
-/* Cancels this daemon's items of a batch (`id` NULL: of all batches), and wakes the jobs that wait
- * for the batch. */
+/* Cancels this daemon's items of a batch, or of all batches if `id` is NULL. Wakes the jobs that
+ * wait for these batches. */
 void server_batch_runner_cancel(struct server_batch_runner *runner, const char *id);
 
 /* Returns the number of answers and changes that this daemon has written. */

@@ -14,8 +14,8 @@
  * Bounds: an ended job is dropped when its time to live is over. If the table or the memory for
  * answers (SERVER_BUDGET_JOBS) is full earlier, the oldest ended job of the largest user (key) is
  * dropped. Jobs that have not ended are never dropped. If the daemon has keys, a tenant with n
- * unfinished jobs may start another job only while more than n places of the table have no
- * unfinished job. Ids increase with time, so the order by id is also the order by age.
+ * unfinished jobs may start another job only while the table has room for more than n further
+ * unfinished jobs. Ids increase with time, so the order by id is also the order by age.
  *
  * A job is reference-counted; the table, the exchange and each caller that uses the job have a
  * reference. One mutex guards the table and the states. A thread that holds it may take only the
@@ -57,11 +57,11 @@ struct server_deferred_job *server_job_table_start(struct server_job_table *tabl
                                                    struct server_exchange *exchange,
                                                    struct proto_problem *problem);
 
-/* Returns the tenant's job of that id, for the caller to release, or NULL. */
+/* Returns the tenant's job of that id, which the caller releases, or NULL. */
 struct server_deferred_job *server_job_table_find(struct server_job_table *table,
                                                   const char *tenant, const char *id, size_t size);
 
-/* Lists up to `most` of the tenant's jobs with ids above `after` (NULL: all ids). Each job is
+/* Lists up to `most` of the tenant's jobs with ids above `after`; NULL means all ids. Each job is
  * retained. */
 uint32_t server_job_table_list(struct server_job_table *table, const char *tenant,
                                const char *after, uint32_t most, struct server_deferred_job **out);
@@ -83,7 +83,8 @@ struct server_job_statistics {
     uint64_t ended[PROTO_JOB_STATE_COUNT];
 };
 
-/* Returns the statistics of one tenant, without `ended`; `tenant` NULL: of all tenants. */
+/* Returns the statistics of all tenants if `tenant` is NULL. Otherwise returns those of the tenant;
+ * `ended` is then 0. */
 struct server_job_statistics server_job_table_statistics(struct server_job_table *table,
                                                          const char *tenant);
 
@@ -93,12 +94,12 @@ void server_deferred_job_release(struct server_deferred_job *job); /* NULL is al
 /* Returns the current state. Its pointers live as long as the caller's reference. */
 struct proto_job server_deferred_job_describe(struct server_deferred_job *job);
 
-/* Parks a worker's job until the deferred job has ended, the daemon drains, or `until_ns`. Returns
- * false, without parking the job, if one of these conditions already holds. */
+/* Parks a worker's job until the deferred job has ended, the daemon drains, or `until_ns` is
+ * reached. Returns false, without parking the job, if one of these conditions already holds. */
 bool server_deferred_job_wait(struct server_deferred_job *job, struct server_job *waiting,
                               uint64_t until_ns);
 
-/* Returns the name of the key that started the job; "": the daemon has no keys. */
+/* Returns the name of the key that started the job, or "" if the daemon has no keys. */
 const char *server_deferred_job_key(const struct server_deferred_job *job);
 
 #endif

@@ -30,7 +30,7 @@ struct server_api {
     struct server_discretizations *discretizations;
     struct server_job_table *jobs;
     struct server_batch_runner *batches;
-    /* Appends the metrics of the tenant; `tenant` NULL: of the whole daemon. */
+    /* Appends the metrics of the tenant, or of the whole daemon if `tenant` is NULL. */
     void (*write_metrics)(void *source, const char *tenant, struct proto_writer *writer);
     void *metrics_source;
 };

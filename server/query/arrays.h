@@ -42,7 +42,7 @@ struct server_array {
     size_t stride;
 };
 
-struct server_arrays { /* all zero: empty */
+struct server_arrays { /* all zero means empty */
     struct server_array list[SERVER_ARRAYS_MOST];
     uint32_t count;
 };
@@ -50,13 +50,15 @@ struct server_arrays { /* all zero: empty */
 /* Adds an array whose rows are contiguous. */
 void server_arrays_add(struct server_arrays *arrays, const struct server_array *array);
 
-/* Like server_arrays_add, for contiguous numbers or indices, borrowed. */
+/* Like server_arrays_add, but the array is given as contiguous numbers or indices, which are
+ * borrowed. */
 void server_arrays_add_numbers(struct server_arrays *arrays, const char *name, uint32_t columns,
                                uint64_t rows, const double *numbers);
 void server_arrays_add_indices(struct server_arrays *arrays, const char *name, uint32_t columns,
                                uint64_t rows, const uint32_t *indices);
 
-/* Like server_arrays_add_numbers, for a member of structs that are `stride` bytes apart. */
+/* Like server_arrays_add_numbers, but the numbers are a member of structs that are `stride` bytes
+ * apart. */
 void server_arrays_add_member(struct server_arrays *arrays, const char *name, uint64_t rows,
                               const double *first, size_t stride);
 

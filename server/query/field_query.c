@@ -229,7 +229,7 @@ enum server_query_turn server_field_query_try_inline(struct server_query *query)
 }
 
 /* Begins a pending build before its builder is queued, so that later queries for the same field are
- * parked and take no place in the queue. */
+ * parked instead of queued. */
 bool server_field_query_join(struct server_query *query)
 {
     enum gd_status why;

@@ -61,7 +61,7 @@ struct server_answer_file {
 /* SERVER_FORM_FIRST + i: forms[i]; then the forms of arrays, if the kind lists arrays */
 enum { SERVER_FORM_JSON, SERVER_FORM_BYTES, SERVER_FORM_FIRST };
 
-/* The field from which a query is answered; all zero: no field is named. */
+/* The field from which a query is answered. All zero means that no field is named. */
 struct server_field_query {
     const struct proto_located_set *set; /* NULL means that a worker has to locate it */
     struct gd_field_request request;     /* request for the field of the set */
@@ -112,25 +112,25 @@ struct server_query_kind {
     const struct server_form *forms; /* the answer's own forms, or NULL */
     bool has_bare_points;            /* geometry is xyz by default, not full */
     bool (*decode)(struct server_query *query, const json_t *document);
-    /* Reads the text of a large request without a document. Returns false if `decode` must read the
-     * document, which also reports faults. May be NULL. */
+    /* Reads a large request directly from its text. Returns false if the text must be parsed as a
+     * document for `decode`, which also reports faults. May be NULL. */
     bool (*read_text)(struct server_query *query, const char *bytes, size_t size);
     bool (*parse)(struct server_query *query, const struct proto_parameters *parameters);
-    /* Reads a request of arrays (arrays.h) with these names. If both members are NULL, requests are
-       JSON only. */
+    /* Names of the arrays of a request (arrays.h), and the function that reads them. If both
+       members are NULL, requests are JSON only. */
     const char *const *array_names;
     bool (*read_arrays)(struct server_query *query, const struct server_arrays *arrays);
     /* may be NULL for the default, see above */
     enum server_query_turn (*try_inline)(struct server_query *query);
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query);
-    /* Runs on a worker. Names a set that takes time to locate. If it is NULL, the pending set is
-       located. */
+    /* Runs on a worker. Names a set that takes time to locate. If this member is NULL, the pending
+       set is located. */
     bool (*prepare)(struct server_query *query);
     /* Runs after the pending set is located. May be NULL. */
     bool (*located)(struct server_query *query);
-    /* Answers from the field; `part` is the monitor for long calls. After AGAIN, when the step has
-       named another field, the step is called again with that field. */
+    /* Answers from the field; `part` is the monitor for long calls. If the step names another field
+       and returns AGAIN, it is called again with that field. */
     enum server_query_turn (*answer)(struct server_query *query, const struct gd_field *field,
                                      struct server_monitor *part);
     void (*encode)(const struct server_query *query, struct proto_writer *writer);
@@ -180,7 +180,7 @@ struct server_monitor server_monitor_portion(const struct server_monitor *whole,
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
                                          const char *what);
 
-/* Like server_query_fail, for steps that return bool. Returns false. */
+/* Like server_query_fail, but returns false, for steps that return bool. */
 bool server_query_refuse(const struct server_query *query, enum gd_status status, const char *what);
 
 /* Returns the last turn of a query: DONE, or FAILED with the problem of `status` or of a draft that
@@ -208,7 +208,7 @@ void server_query_keep_arrays(struct server_query *query);
 bool server_query_list_lines(struct server_query *query, const struct gd_path *paths, size_t stride,
                              uint32_t count);
 
-/* Like server_query_list_lines, for one borrowed line of points. NULL means that there is no
+/* Like server_query_list_lines, but adds one borrowed line of points. NULL means that there is no
  * line. */
 bool server_query_list_line(struct server_query *query, const struct gd_point *points,
                             uint32_t count);
@@ -218,8 +218,8 @@ bool server_query_list_line(struct server_query *query, const struct gd_point *p
 GD_MUST_USE enum gd_status server_query_take(struct server_query *query, size_t bytes);
 void server_query_give(struct server_query *query, size_t bytes);
 
-/* Locates points of the request as query->points, and frees `points`. On failure, returns false
- * with the problem. */
+/* Locates points of the request, stores the result in query->points, and frees `points`. On
+ * failure, returns false with the problem. */
 bool server_query_locate(struct server_query *query, struct proto_points *points);
 
 /* Returns an array of zeros, which the query holds until it ends. If the result is NULL, the caller
@@ -241,8 +241,9 @@ struct server_pair {
     enum gd_pair_output output;
 };
 
-/* Searches on behalf of the part's exchange, with the mesh's landmarks, within the memory budget.
- * Distance INFINITY: there is no path. Errors: those of gd_pair_solve. Thread-safe. */
+/* Searches for the shortest path of a pair, with the mesh's landmarks and within the memory budget.
+ * `part` is the monitor of the exchange. The distance is INFINITY if there is no path. Errors:
+ * those of gd_pair_solve. Thread-safe. */
 GD_MUST_USE enum gd_status server_pair_search(struct server_monitor *part,
                                               struct server_surface *surface,
                                               const struct server_pair *pair,
@@ -271,13 +272,13 @@ GD_MUST_USE enum gd_status server_pair_append(struct gd_pair_answer *route,
 bool server_field_query_of_set(struct server_query *query, struct proto_set *set,
                                double max_distance);
 
-/* Like server_field_query_of_set, for a located set, which the caller still owns. */
+/* Like server_field_query_of_set, but the set is located, and the caller still owns it. */
 void server_field_query_of_located(struct server_query *query, const struct proto_located_set *set,
                                    double max_distance);
 
-/* Like server_field_query_of_set, for the field resource of the request's path or of an id.
- * Problems of the id refer to the parameter `field`. On failure, returns false with not_found or
- * field_evicted. */
+/* Like server_field_query_of_set, but name the set of a field resource: that of the request's path,
+ * or that of an id. Problems of the id refer to the parameter `field`. On failure, return false
+ * with not_found or field_evicted. */
 bool server_field_query_of_resource(struct server_query *query);
 bool server_field_query_of_id(struct server_query *query, const char *id);
 

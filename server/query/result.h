@@ -21,11 +21,11 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
 #define SERVER_RESULT_LINE_FORMS_END (SERVER_FORM_FIRST + 3)
 #define SERVER_RESULT_LINE_FORM_GLB  (SERVER_FORM_FIRST + 1)
 
-/* The forms of queries that have no forms but those of lines: on meshes, and on surfaces without a
- * mesh. */
+/* The forms of queries whose only forms are those of lines. The second list is for surfaces without
+ * a mesh. */
 extern const struct server_form server_result_line_forms[], server_result_smooth_line_forms[];
 
-/* Paths, borrowed, at least one. */
+/* At least one path, borrowed. */
 struct server_result_lines {
     const struct gd_path *paths;
     const double *levels; /* as in struct gd_result; may be NULL */
@@ -44,7 +44,7 @@ bool server_result_write_lines(const struct server_query *query,
  * also works on surfaces without a mesh. */
 bool server_result_write_listed(struct server_query *query, struct server_answer_file *out);
 
-/* Writes a path, and the faces that it crosses, unfolded into the plane, as a drawing
+/* Unfolds a path, and the faces that it crosses, into the plane, and writes them as a drawing
  * (proto/values/flat_strip.h). */
 bool server_result_write_strip(const struct server_query *query, const struct gd_path *path,
                                struct server_answer_file *out);

@@ -68,7 +68,7 @@ extern const struct server_kind *const server_kinds[];
 const struct server_kind *server_kind_by_word(const char *word);
 const struct server_kind *server_kind_by_plural(const char *plural);
 
-/* A text of options, "format=obj&triangulate=true", as parameters. Not to be copied. */
+/* The parameters of a text of options ("format=obj&triangulate=true"). Do not copy this struct. */
 struct server_options {
     char text[SERVER_OPTIONS];
     struct proto_parameter pairs[SERVER_OPTIONS_MOST];
@@ -96,7 +96,7 @@ bool server_options_split(const char *text, struct server_options *out);
 #define SERVER_KEY_TEXT (SERVER_TENANT + SERVER_KEY_WORD + PROTO_MESH_NAME + 3)
 
 struct server_key {     /* all strings are borrowed */
-    const char *tenant; /* "": the daemon has no tenants */
+    const char *tenant; /* "" if the daemon has no tenants */
     const struct server_kind *kind;
     const char *name; /* passes proto_mesh_name_check */
 };

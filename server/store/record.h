@@ -4,11 +4,11 @@
  *
  *     geodesicd record 3
  *     kind mesh                         word of the kind (kind.h)
- *     tenant                            empty: the daemon has no tenants
+ *     tenant                            empty if the daemon has no tenants
  *     name bunny
  *     sha256 4ffd…                      SHA-256 of the file
  *     size 2911433                      bytes of the file
- *     attachment 77c0… 575152           SHA-256 and size; empty: there is none
+ *     attachment 77c0… 575152           SHA-256 and size; empty if there is none
  *     created 1763730000                seconds since 1970
  *     memory 18402304                   bytes of the loaded surface
  *     options format=obj&weld=0         as in the query string of the upload
@@ -54,8 +54,8 @@ struct server_attached {
 enum server_part { SERVER_PART_FILE, SERVER_PART_ATTACHMENT, SERVER_PARTS };
 
 struct server_object {
-    /* SHA-256 of the bytes, followed, for a tenant, by a dot and the tenant's name; empty: there is
-       no object */
+    /* SHA-256 of the bytes, followed, for a tenant, by a dot and the tenant's name; empty means no
+       object */
     char id[SERVER_OBJECT];
     uint64_t size;
 };
@@ -68,7 +68,7 @@ struct server_record {
     char name[PROTO_MESH_NAME + 1];
     /* kind, tenant and name as one text */
     char key[SERVER_KEY_TEXT];
-    char sha256[SERVER_SHA256_HEX], attachment_sha256[SERVER_SHA256_HEX]; /* empty: there is none */
+    char sha256[SERVER_SHA256_HEX], attachment_sha256[SERVER_SHA256_HEX]; /* empty means none */
     uint64_t size, attachment_size;
     struct server_object objects[SERVER_PARTS]; /* their ids have the tenant */
     char etag[SERVER_ETAG]; /* derived from objects, options, kind and tenant; without quotes */
@@ -112,7 +112,7 @@ struct server_record *server_record_copy(const struct server_record *record, con
  * out of memory. */
 bool server_record_set_caption(struct server_record *record, const char *caption);
 
-/* Writes the caption, one line of UTF-8; "": there is none. */
+/* Writes the caption, one line of UTF-8, or "" if there is none. */
 void server_record_caption(const struct server_record *record, char out[SERVER_CAPTION]);
 
 /* Exchanges the captions of two records. `to` may be shared. */

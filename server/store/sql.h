@@ -77,7 +77,7 @@ static inline bool server_sql_on_integers(void *user, const struct server_sql_va
 struct server_sql_surface {
     unsigned rows;
     int64_t version;
-    char objects[SERVER_PARTS][SERVER_OBJECT]; /* ids; empty: none */
+    char objects[SERVER_PARTS][SERVER_OBJECT]; /* ids; empty means none */
 };
 
 /* A visitor of the columns version, file and attachment; `user` is a struct server_sql_surface. */
@@ -99,7 +99,7 @@ static inline bool server_sql_on_surface(void *user, const struct server_sql_val
 /* Thread-safe; calls may block for disk or network. Each statement is a transaction. After a lost
  * connection the statement is repeated, so repetition must be harmless. */
 struct server_store_sql {
-    /* Runs a statement. DONE, UNAVAILABLE, FULL, NO_MEMORY, REFUSED, READ_ONLY. */
+    /* Runs a statement. Returns DONE, UNAVAILABLE, FULL, NO_MEMORY, REFUSED or READ_ONLY. */
     enum server_outcome (*run)(struct server_store_sql *sql,
                                const struct server_statement *statement);
     bool is_shared; /* true if several daemons share the database */
@@ -110,10 +110,10 @@ struct server_store_sql {
 };
 
 /* Opens a SQLite file, and creates it if it is missing. The path ":memory:" opens a database in
- * memory. `steps`: NULL-terminated statements that make the tables; static. The file's version is
- * the number of its steps. If the file turns out to be damaged, now or later, it is renamed, and an
- * empty file replaces it. On failure, returns NULL with a sentence in `error`. A file that a later
- * version of the daemon wrote is such a failure, and stays unchanged. */
+ * memory. `steps` are the statements that make the tables; static and NULL-terminated. The file's
+ * version is the number of its steps. If the file turns out to be damaged, now or later, it is
+ * renamed, and an empty file replaces it. On failure, returns NULL with a sentence in `error`. It
+ * fails for a file that a later version of the daemon wrote, and does not change this file. */
 struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps,
                                                      char error[SERVER_ERROR]);
 

@@ -4,8 +4,8 @@
  * conditional requests and for loaded surfaces.
  *
  * A shared store gives each change of a surface a version; versions grow in the order of the
- * changes. The registry passes the last version that it has seen. If the surface has another one,
- * the outcome is STALE: the registry calls follow and decides again.
+ * changes. The registry passes the last version that it has seen. If the surface has another
+ * version, the outcome is STALE: the registry calls follow and decides again.
  *
  * Threads. One thread at a time, with the registry's writer lock, calls stage, put, keep, remove,
  * tidy and note_uses. One thread at a time, with the follower's lock, calls each and follow. One
@@ -49,9 +49,9 @@ typedef bool server_stored_visit(void *user, const struct server_stored *stored)
 typedef bool server_pace(void *user, size_t bytes); /* called for each piece that was read */
 
 /* The functions of a back-end; NULL means that the back-end does not need this function. Every
- * back-end has close. If put is set, so is remove; the same holds for fetch and verify, and for
- * follow and await. A store without put stores nothing. Without fetch, surfaces can't be unloaded.
- * Without follow, the store is not shared. */
+ * back-end has `close`. If `put` is set, so is `remove`; the same holds for `fetch` and `verify`,
+ * and for `follow` and `await`. A store without `put` stores nothing. Without `fetch`, surfaces
+ * can't be unloaded. Without `follow`, the store is not shared. */
 struct server_store {
     /* Visits all surfaces, in any order. For a shared store this function is called again after
        follow has returned STALE. Returns DONE, UNAVAILABLE or NO_MEMORY. */
@@ -87,16 +87,16 @@ struct server_store {
                                   server_pace *pace, void *user);
     /* Returns the number of objects in quarantine. */
     uint32_t (*damaged)(struct server_store *store);
-    /* Visits the changes since the last call, in the order of versions. STALE: there are too many
-       changes; the caller then calls `each`, and drops the surfaces that `each` does not visit.
-       Other errors: UNAVAILABLE, NO_MEMORY. */
+    /* Visits the changes since the last call, in the order of versions. Returns STALE if there are
+       too many changes; the caller then calls `each`, and drops the surfaces that `each` does not
+       visit. Other errors: UNAVAILABLE, NO_MEMORY. */
     enum server_outcome (*follow)(struct server_store *store, server_stored_visit *visit,
                                   void *user);
     /* Blocks until there is a change, at most for `ns`. */
     void (*await)(struct server_store *store, uint64_t ns);
     void (*note_uses)(struct server_store *store, const struct server_record *const *records,
                       const struct server_store_uses *uses, uint32_t count);
-    /* Returns a sentence with the reason why the store can't write or can't be reached; NULL means
+    /* Returns a sentence with the reason why the store can't write or can't be reached, or NULL if
        the store works. The store owns the sentence. */
     const char *(*health)(struct server_store *store);
     void (*close)(struct server_store *store); /* frees it */
@@ -111,8 +111,8 @@ struct server_store *server_store_memory_create(void);
 struct server_store *server_store_local_open(const char *folder, char error[SERVER_ERROR]);
 
 /* Opens the store in a PostgreSQL database ("postgresql://…") and makes or updates its tables.
- * Returns NULL with a sentence in `error` in these cases: no answer within ten seconds, a refusal,
- * or tables of a later version. */
+ * Returns NULL with a sentence in `error` if the database does not answer within ten seconds,
+ * refuses, or has tables of a later version. */
 struct server_store *server_store_postgres_open(const char *url, char error[SERVER_ERROR]);
 
 /* For the sandbox. Visits each port that the address of a database lists. If it lists none, visits
@@ -134,13 +134,13 @@ bool server_postgres_each_file(const char *url, void (*visit)(void *user, const 
  * false if there are faults or the folder can't be checked. */
 bool server_store_check(const char *folder, FILE *out);
 
-/* Like server_store_check, for a PostgreSQL store, which may be in use. Checks each row and each
- * named object. */
+/* Like server_store_check, but checks each row and each named object of a PostgreSQL store, which
+ * may be in use. */
 bool server_store_check_postgres(const char *url, FILE *out);
 
-/* Copies the state of the data folder `folder`, which may be in use, at one moment to the new
- * folder `copy`. Makes hard links of objects if possible, and verifies each object. On failure,
- * returns false and prints a sentence to `out`. */
+/* Copies the data folder `folder`, which may be in use, to the new folder `copy`. The copy has the
+ * state of one moment. Makes hard links of objects if possible, and verifies each object. On
+ * failure, returns false and prints a sentence to `out`. */
 bool server_store_backup(const char *folder, const char *copy, FILE *out);
 
 /* Makes the new data folder `folder` from a backup and verifies every file. Copies objects instead

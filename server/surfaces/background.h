@@ -3,8 +3,8 @@
  *
  * DESIGN. A surface has a *slot* for its result. A request that does not find the result queues the
  * slot. The thread takes the latest slot first, computes the result and stores it in the slot.
- * Results are items of a list (lru.h), whose mutex also guards the slots. A queued slot has no
- * reference of its surface. A closed slot stays empty.
+ * Results are items of a list (lru.h), whose mutex also guards the slots. A queued slot holds no
+ * reference to its surface. A closed slot stays empty.
  *
  * When memory is short, the current build ends, and results are evicted. The thread has the
  * priority of a worker with a long job (thread_priority.h). While all workers are busy, the thread

@@ -20,7 +20,7 @@ struct server_catalogue {
     pthread_mutex_t lock;
     struct server_sorted resources; /* by id */
     uint64_t clock;
-    /* a ring of ids; "": an unused entry */
+    /* a ring of ids; "" is an unused entry */
     char forgotten[SERVER_CATALOGUE_FORGOTTEN][PROTO_FIELD_ID + 1];
     uint32_t next_forgotten;
 };
@@ -134,7 +134,7 @@ struct usage {              /* The resources of a key. */
     size_t bytes;
 };
 
-/* Returns the usage of a key; `key` NULL: of all keys. */
+/* Returns the usage of a key, or of all keys if `key` is NULL. */
 static struct usage key_usage(const struct server_catalogue *catalogue, const char *key)
 {
     struct usage usage = {0};

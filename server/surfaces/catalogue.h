@@ -25,7 +25,7 @@
 struct server_resource {
     atomic_uint references;
     char id[PROTO_FIELD_ID + 1];
-    /* name of the key that created the resource; "": the daemon has no keys */
+    /* name of the key that created the resource, or "" if the daemon has no keys */
     char key[SERVER_CREDENTIAL_NAME];
     struct proto_located_set *set;
     struct proto_field_description description; /* its `id` is the member above */
@@ -73,7 +73,7 @@ enum server_catalogue_finding {
 enum server_catalogue_finding server_catalogue_find(struct server_catalogue *catalogue,
                                                     const char *id, struct server_resource **out);
 
-/* Adds a resource of a key ("": there are no keys) and returns true. If its id already exists,
+/* Adds a resource of a key ("" if there are no keys) and returns true. If its id already exists,
  * releases the resource, sets `*resource` to the existing resource, retained, and returns false. */
 bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
                           struct server_resource **resource);
@@ -82,7 +82,7 @@ bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
  * is none. */
 struct server_resource *server_catalogue_remove(struct server_catalogue *catalogue, const char *id);
 
-/* Lists up to `most` resources with ids after `after` (NULL: all ids), in order. Each resource is
+/* Lists up to `most` resources with ids after `after` (NULL means all), in order. Each resource is
  * retained. */
 uint32_t server_catalogue_list(struct server_catalogue *catalogue, const char *after, uint32_t most,
                                struct server_resource **out);

@@ -52,7 +52,7 @@ void server_field_store_write_landmarks(struct server_field_store *store,
                                         const struct server_surface *surface,
                                         const struct gd_landmarks *landmarks);
 
-/* A thinned mesh. */
+/* A simplified mesh (previews.h). */
 struct server_stored_preview {
     uint32_t wanted; /* faces */
     double largest_distance;
@@ -67,7 +67,7 @@ bool server_field_store_read_preview(struct server_field_store *store,
                                      const struct server_surface *surface,
                                      struct server_stored_preview *preview);
 
-/* Like server_field_store_write_landmarks, for the preview. */
+/* Like server_field_store_write_landmarks, but writes the preview. */
 void server_field_store_write_preview(struct server_field_store *store,
                                       struct server_registry *registry,
                                       const struct server_surface *surface,

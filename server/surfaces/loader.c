@@ -200,7 +200,7 @@ static void loader_preload_all(struct server_loader *loader)
     }
 }
 
-/* Preloads surfaces, unless daemons share the store: those load surfaces only on demand. */
+/* Preloads surfaces. Daemons that share a store load surfaces only on demand. */
 static void loader_run(void *user, struct server_thread *thread)
 {
     struct server_loader *loader = user;

@@ -566,8 +566,8 @@ static enum server_outcome change_store(const struct server_registry *registry,
                   : store->remove(store, now->record, version);
 }
 
-/* Applies a stored change to the slots, unless they already have this or a later change. Version 0:
- * the store is not shared. */
+/* Applies a stored change to the slots, unless they already have this or a later change. Version 0
+ * means that the store is not shared. */
 static void change_apply(struct server_registry *registry, struct change *change, uint64_t version)
 {
     struct server_sorted *all = &registry->all;
@@ -594,7 +594,7 @@ static void change_apply(struct server_registry *registry, struct change *change
     pthread_mutex_unlock(&registry->following);
 }
 
-/* Makes a change. STALE: another daemon has changed the surface meanwhile. */
+/* Makes a change. Returns STALE if another daemon has changed the surface meanwhile. */
 static enum server_outcome change_make(struct server_registry *registry, struct change *change)
 {
     struct server_store *store = registry->store;

@@ -82,7 +82,7 @@ bool server_registry_use(struct server_registry *registry, const struct server_k
 
 /* Lists up to `most` surfaces of the tenant and kind of `after`, in byte order of names. Each
  * surface is retained. Their names are after the name in `after` (NULL means all) and begin with
- * `prefix` (NULL: any). Returns their number. */
+ * `prefix` (NULL means any). Returns their number. */
 uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after,
                               const char *prefix, uint32_t most, struct server_listed *out);
 
@@ -97,7 +97,8 @@ bool server_registry_next(struct server_registry *registry, struct server_listed
 /* Returns true if other daemons also write to the store. */
 bool server_registry_is_shared(const struct server_registry *registry);
 
-/* Returns true if the slots are current enough for this key (NULL: for all keys); see DESIGN. */
+/* Returns true if the slots are current enough for this key, or, if it is NULL, for all keys; see
+ * DESIGN. */
 bool server_registry_is_fresh(struct server_registry *registry, const struct server_key *key);
 
 /* Applies the changes that other daemons made up to `since_ns`, unless they are already applied.

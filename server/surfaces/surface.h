@@ -62,8 +62,8 @@ struct server_surface {
 };
 
 /* Creates a surface. Takes over the object, which must have the record's kind, and `bytes` of
- * SERVER_BUDGET_FLIGHT. Retains the record. NULL means out of memory; then the caller still owns
- * object and bytes. */
+ * SERVER_BUDGET_FLIGHT. Retains the record. Returns NULL if out of memory; then the caller still
+ * owns object and bytes. */
 struct server_surface *server_surface_create(struct server_record *record, void *object,
                                              size_t bytes, struct server_budget *budget,
                                              struct server_cache *cache);
@@ -88,14 +88,14 @@ struct server_builder { /* all borrowed */
     uint32_t max_faces;
     /* ends the build early and receives progress; its budget and its executor are unset */
     struct gd_control control;
-    struct server_workers *workers; /* NULL: the surface is built by the calling thread alone */
+    struct server_workers *workers; /* NULL if the calling thread builds the surface alone */
     struct server_record *record;
     const void *bytes; /* the record->size bytes of its file */
     struct proto_problem *problem;
 };
 
 /* Builds the surface of a record, without its attachment. On failure returns a status and sets the
- * problem. GD_BUDGET: the budget has too little memory. */
+ * problem; the status is GD_BUDGET if the budget has too little memory. */
 GD_MUST_USE enum gd_status server_build_surface(const struct server_builder *builder,
                                                 struct server_surface **out);
 

@@ -61,7 +61,7 @@ struct server_budget {
     size_t limit;
     size_t largest_answer;               /* bytes */
     struct proto_writer_account answers; /* takes from SERVER_BUDGET_ANSWERS */
-    /* number of failed takes because the part of answers was full */
+    /* number of takes that failed because the part of answers was full */
     atomic_uint_least64_t refused_answers;
     atomic_size_t total;
     atomic_size_t used[SERVER_BUDGET_CLASSES];
@@ -74,7 +74,7 @@ void server_budget_init(struct server_budget *budget, size_t limit);
  * enough room. */
 bool server_budget_take(struct server_budget *budget, enum server_budget_class class, size_t bytes);
 
-/* Like server_budget_take, without reclaiming. */
+/* Like server_budget_take, but reclaims nothing. */
 bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class,
                               size_t bytes);
 
@@ -99,8 +99,8 @@ void server_budget_adjust(struct server_budget *budget, enum server_budget_class
 size_t server_budget_available(struct server_budget *budget);
 bool server_budget_could_take(struct server_budget *budget, size_t bytes);
 
-/* Sets the problem that `what` ("the mesh") needs `bytes`, which is too much; 0 means that the
- * number is unknown. Returns false. */
+/* Sets the problem insufficient_memory, with the text that `what` ("the mesh") needs `bytes`, which
+ * is too much. 0 means that the number is unknown. Returns false. */
 bool server_budget_refuse(struct server_budget *budget, const char *what, size_t bytes,
                           struct proto_problem *problem);
 

@@ -11,7 +11,8 @@
  * for which clients wait, precede patient jobs, but after 16 urgent jobs a patient job follows.
  *
  * Limits, separately for urgent and patient jobs: all lanes together hold `length` jobs. A tenant
- * may use at most as many places as remain free (dynamic thresholds, Choudhury and Hahne, 1998).
+ * may have at most as many waiting jobs as all lanes still have room for (dynamic thresholds,
+ * Choudhury and Hahne, 1998).
  *
  * Spare workers are threads beyond the number of workers. A spare worker takes an urgent job while
  * patient jobs occupy workers, or a job whose tenant has no running job.
@@ -74,7 +75,8 @@ struct server_lanes {
 /* Initialises `*lanes`, which must be all zero. */
 void server_lanes_init(struct server_lanes *lanes, uint32_t workers, uint32_t length);
 
-/* Returns the lane of a tenant (NULL: ""). A new lane must get a job before the next call. */
+/* Returns the lane of a tenant; NULL means the tenant "". A new lane must get a job before the next
+ * call. */
 struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tenant);
 
 /* Queues a job at the end of the lane. Returns false if the queue is full. With `is_first`, queues
@@ -86,7 +88,7 @@ bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, str
  * job for this worker. */
 struct server_job *server_lanes_take(struct server_lanes *lanes, bool is_spare);
 
-/* Records that a job of that lane and kind has run for `ns`. */
+/* Records that a job of that lane, patient or urgent, has run for `ns`. */
 void server_lanes_end(struct server_lanes *lanes, struct server_lane *lane, bool is_patient,
                       uint64_t ns);
 

@@ -27,14 +27,14 @@ void server_thread_place(uint32_t threads, bool are_workers_busy, uint64_t now_n
 /* Lowers the priority of the calling thread, a new worker. */
 void server_worker_lower(void);
 
-/* Gives the calling thread idle priority for good. */
+/* Gives the calling thread idle priority permanently. */
 void server_thread_set_idle(void);
 
 /* Gives the calling thread idle or normal priority; does nothing if the thread could not leave idle
  * priority again. */
 void server_worker_set_idle(bool is_idle);
 
-/* The priority of one job; not shared. */
+/* The priority of one job. Used by one thread. */
 struct server_priority {
     bool is_idle;
     uint64_t not_before_ns; /* the job has normal priority until this time */

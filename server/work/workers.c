@@ -27,8 +27,8 @@ struct server_workers {
     struct server_thread *threads[]; /* 2 * `thread_count` entries */
 };
 
-/* The job that this thread runs; all zero: none. Jobs that the running job submits get the same
- * lane and kind. */
+/* The job that this thread runs; all zero means none. Jobs that the running job submits get the
+ * same lane and kind. */
 static _Thread_local struct running {
     const struct server_workers *workers;
     struct server_lane *lane;

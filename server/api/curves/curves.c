@@ -35,7 +35,7 @@ struct curve_query {
 };
 
 /* Resolves the curve and uses it, in one long call. If the curve can't be resolved, the problem
- * names its place in the request. */
+ * names the curve's place in the request. */
 static bool curve_solve(struct curve_query *own, size_t grant, const char *what)
 {
     struct server_query *query = &own->query;
@@ -653,7 +653,7 @@ static enum gd_status spline_list_poses(const struct spline_query *own, struct g
     return status;
 }
 
-/* Writes the curve; into a GLB with "frames" also the object that moves along the curve. */
+/* Writes the curve. A GLB file with "frames" also has the object that moves along the curve. */
 static bool spline_write(struct server_query *query, struct server_answer_file *out)
 {
     const struct spline_query *own = (const struct spline_query *)query;

@@ -364,7 +364,7 @@ struct log_query {
     struct gd_seed from;
     struct proto_located_set set; /* `from` alone */
     double snap; /* distance by which the point was moved onto the surface; NAN: it was not moved */
-    /* true: the targets are the query's points; false if all vertices */
+    /* true if the targets are the query's points, false if they are all vertices */
     bool has_targets;
     bool first_vector_only;
     uint32_t count;              /* number of vectors of an answer as arrays */

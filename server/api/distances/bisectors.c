@@ -240,7 +240,7 @@ static bool voronoi_decode(struct server_query *query, const json_t *document)
     return server_field_query_of_set(query, &wanted.set, 0);
 }
 
-/* Computes the labels. While it does so, the engine needs as many bytes again as the labels. */
+/* Computes the labels. Meanwhile, the engine needs as many additional bytes as the labels have. */
 static enum gd_status labels_find(struct voronoi_query *own, const struct gd_field *field)
 {
     struct server_query *query = &own->lines.query;

@@ -2,10 +2,10 @@
  * answers have the form of JSON or of arrays (arrays.h).
  *
  * DESIGN. All idle workers locate the points of a request. Pairs are sorted by the end (from or to)
- * with fewer different points; the pairs of one such point are a group. If the point has a cached
- * field, its group is evaluated in pieces, in parallel. Small groups without a cached field are
- * searched pair by pair. For a large group without a cached field, a field is built and dropped
- * afterwards. Groups without a cached field run in parallel, too. */
+ * with fewer different points. The pairs with the same point at this end are a group. If the point
+ * has a cached field, its group is evaluated in pieces, in parallel. Small groups without a cached
+ * field are searched pair by pair. For a large group without a cached field, a field is built and
+ * dropped afterwards. Groups without a cached field run in parallel, too. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -128,7 +128,8 @@ static void text_locate_piece(void *user, uint32_t piece)
     if (!ok || points.at != points.end) atomic_store(&text->has_failed, true);
 }
 
-/* Reads a list behind its opening bracket. False: the text is not plain, or a point is wrong. */
+/* Reads a list behind its opening bracket. Returns false if the text is not plain, or a point is
+ * wrong. */
 static bool list_read_text(struct server_query *query, struct proto_bulk_text *all,
                            struct point_list *list)
 {

@@ -1,5 +1,5 @@
-/* Answers queries for distances, nearest members, paths and gradients of points, from a field or to
- * a set. */
+/* Answers queries for the distances, nearest members, paths and gradients of points. The query
+ * names a field or a set. */
 #include "server/query/handlers.h"
 
 #include <math.h>

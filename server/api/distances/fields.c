@@ -147,7 +147,7 @@ static bool page_reply(struct server_exchange *exchange, struct server_surface *
 {
     struct server_resource *resources[PROTO_PAGE_MOST + 1];
     struct server_catalogue *catalogue = server_record_catalogue(surface->record);
-    /* one item more than fits on the page shows whether there is a next page */
+    /* one more item than the page has room for; it shows whether there is a next page */
     uint32_t wanted = page->limit < most ? page->limit + 1 : most + 1,
              count =
                  catalogue ? server_catalogue_list(catalogue, page->after, wanted, resources) : 0,

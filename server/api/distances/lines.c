@@ -19,7 +19,7 @@
 /* limit on the bytes of traced lines that are not yet written */
 #define TRACED_BYTES ((size_t)64 << 20)
 #define LEVELS       8   /* number of isolines that are traced in parallel */
-#define PORTION      512 /* number of elements written between two checks of the control */
+#define PORTION      512 /* number of points or arcs written between two checks of the control */
 #define WHAT         "the answer"
 
 static size_t trace_grant(const struct server_query *query, size_t bytes_an_edge)
@@ -63,8 +63,8 @@ struct isolines_query {
     uint32_t line_count;
 };
 
-/* Determines the elements that are written. A file contains polylines only. The points of a line
- * are the ends of its arcs, unless arcs are omitted or a tolerance is given. */
+/* Determines how lines are written. A file contains polylines only. The points of a line are the
+ * ends of its arcs, unless arcs are omitted or a tolerance is given. */
 static bool isolines_settle(struct isolines_query *own)
 {
     struct server_query *query = &own->query;

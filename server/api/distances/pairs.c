@@ -147,8 +147,8 @@ static uint64_t edge_count(const struct pair_query *pair)
     return gd_mesh_summary(pair->query.surface->mesh)->edges;
 }
 
-/* Enters the cache. BUILD: this query must build the field. WAIT: the query is parked, and the
- * caller must not use it any more. */
+/* Enters the cache. After BUILD, this query must build the field. After WAIT, the query is parked,
+ * and the caller must not use it any more. */
 static enum server_cache_turn leg_enter(struct pair_query *pair)
 {
     const struct server_pair ends = leg_of(pair);

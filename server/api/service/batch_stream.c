@@ -1,5 +1,5 @@
-/* Batch stream: answers many queries in one request, each on a JSON line, in order, by the steps of
- * single requests (query.h).
+/* Batch stream: answers many queries in one request. Each line of JSON is a query. The lines are
+ * answered in order, by the steps of single requests (query.h).
  *
  * DESIGN. One worker answers line after line. If a line needs a field that another request builds,
  * the exchange is parked. When time or memory runs out, each remaining line is answered with the

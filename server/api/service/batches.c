@@ -1,5 +1,5 @@
-/* Batches: create, list, describe and remove them, and read their answers (jobs/batch_runner.h).
- * All steps run on workers, because they read the queue's database. */
+/* Batches: creates, lists, describes and removes them, and reads their answers
+ * (jobs/batch_runner.h). All steps run on workers, because they read the queue's database. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -86,7 +86,8 @@ static void reply_batch(struct server_exchange *exchange, unsigned status,
 
 /* --- create ----------------------------------------------------------------------------------- */
 
-/* Fixes the version of the mesh that all items of all-pairs use, and writes its etag. */
+/* Writes the ETag of the current version of the mesh. All items of a batch of all-pairs use this
+ * version; for other batches, writes "". */
 static bool fix_version(struct server_exchange *exchange, const struct proto_many *many,
                         char etag[SERVER_ETAG])
 {
@@ -252,7 +253,7 @@ struct answers {
     struct proto_many_page page;
     struct server_batch batch; /* the batch's state when the reading of answers began */
     struct proto_writer writer;
-    struct server_batch_place place; /* place of the last answer shown */
+    struct server_batch_place place; /* position of the last answer on the page */
     uint32_t count;
     bool is_cut;   /* true if more answers exist than fit on the page */
     uint32_t seen; /* rows of one read */
@@ -272,8 +273,8 @@ static bool on_answer(void *user, const struct server_sql_value *row)
     return true;
 }
 
-/* Replies with a page. In the order of answers there is a next page as long as more answers may
- * follow. */
+/* Replies with a page. If items are listed in the order of their answers, there is a next page as
+ * long as more answers may follow. */
 static void reply_answers(struct server_exchange *exchange, struct server_store_sql *sql,
                           struct answers *answers)
 {

@@ -1,4 +1,4 @@
-/* Deferred jobs: start, list, describe, follow and remove them (jobs/job_table.h). */
+/* Deferred jobs: starts, lists, describes, follows and removes them (jobs/job_table.h). */
 #include "server/query/handlers.h"
 
 #include <string.h>

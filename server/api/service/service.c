@@ -65,7 +65,7 @@ void server_handle_get_readyz(struct server_exchange *exchange)
 }
 
 /* Replies with metrics. Only an operator's key gets the metrics of all tenants. A local address
- * does not identify an operator, because behind a proxy every client has one. */
+ * does not identify an operator, because behind a proxy every client has a local address. */
 void server_handle_get_metrics(struct server_exchange *exchange)
 {
     const struct server_api *api = exchange->host->api;

@@ -151,7 +151,7 @@ struct trace {
     struct gd_limit_jet jet; /* jet at the start */
     struct gd_detail detail;
     /* On the triangles of a level: */
-    struct server_discretization *grid, *discretization; /* discretization: the mesh; or NULL */
+    struct server_discretization *grid, *discretization; /* `discretization` is the mesh, or NULL */
     struct gd_point start;
     /* On the grid or on the smooth surface, for the current path: */
     struct gd_vec3 direction;
@@ -159,7 +159,8 @@ struct trace {
     /* For an answer as arrays: */
     struct gd_vec3 *points; /* points of all paths */
     size_t room;            /* capacity of `points` */
-    /* kept: number of paths so far; first (count + 1 entries): index where each path begins */
+    /* `kept` is the number of paths so far; `first` has count + 1 entries: the index where each
+       path begins */
     uint32_t kept, *first;
     double *lengths;
 };
@@ -241,8 +242,8 @@ static enum gd_status trace_evaluate(struct trace *trace, const struct gd_limit_
     return gd_limit_evaluate(subdivision_of(&trace->query), place, out, &trace->detail);
 }
 
-/* Returns the memory that a path needs. This is twice the path's size, because a growing path is
- * copied, and the size of the tables of its earlier segments. */
+/* Returns the memory that a path needs. This is twice the path's size (because a growing path is
+ * copied), plus the size of the tables of its earlier segments. */
 static size_t mesh_path_bytes(const struct trace *trace)
 {
     size_t steps = trace->options.step_limit, bytes = 2 * steps * sizeof(struct gd_point);

@@ -118,7 +118,7 @@ struct meshing {
     struct server_derived_meshes meshes;
 };
 
-/* Makes a mesh of one kind of surface. */
+/* The arguments of meshing_add that depend on the kind of surface. */
 struct mesher {
     const struct format *format;
     const char *name; /* name of the new mesh */

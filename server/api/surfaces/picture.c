@@ -36,7 +36,7 @@ struct picture {
     struct gd_pair_answer route;
     struct server_picture_layers layers;
     struct server_picture_surface surface;
-    void *file; /* NULL: not rendered yet, or already replied */
+    void *file; /* NULL if not rendered yet, or already sent */
     size_t size;
 };
 
@@ -206,8 +206,8 @@ void server_handle_picture_svg(struct server_exchange *exchange)
     picture_handle(exchange, &svg);
 }
 
-/* Chooses the format by ?format= if given, else by Accept, where the first in the list wins a
- * tie. */
+/* Chooses the format by ?format= if given, otherwise by Accept. In a tie, chooses the format that
+ * comes first in the list. */
 void server_handle_picture(struct server_exchange *exchange)
 {
     static const struct format *const formats[] = {&png, &svg, &glb};

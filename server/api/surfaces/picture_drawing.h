@@ -6,7 +6,7 @@
 #include "proto/values/domain_curve.h"
 #include "server/api/surfaces/picture_surface.h"
 
-struct server_picture_layers {                                     /* all zero: none */
+struct server_picture_layers {                                     /* all zero means none */
     const struct proto_picture_layer_list *wanted;                 /* borrowed */
     struct server_picture_surface *surface;                        /* borrowed */
     struct server_query *parts[PROTO_PICTURE_REQUEST_LAYERS_MOST]; /* of each layer, or NULL */

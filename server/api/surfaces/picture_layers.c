@@ -17,13 +17,13 @@
 
 enum { MARKS_MOST = 10000 }; /* points of a layer */
 
-/* The rule by which a kind of surface draws the layers of one form. All zero: this kind of surface
- * has no such layers. */
+/* The rule by which a kind of surface draws the layers of one form. All zero means that this kind
+ * of surface has no such layers. */
 struct layer_rule {
     bool is_known;
-    const struct server_query_kind *kind; /* operation whose answer is drawn; NULL: none */
+    const struct server_query_kind *kind; /* operation whose answer is drawn, or NULL */
     const char *const *fields;            /* fields of this answer that are read */
-    const char *select;                   /* the fields that have lines; NULL: all */
+    const char *select;                   /* the fields that have lines; NULL means all */
     const char *wrapped;                  /* operation's member that receives the layer's body */
 };
 
@@ -401,7 +401,7 @@ static bool own_draw(struct server_picture_layers *layers, struct server_query *
 
 /* --- solving ---------------------------------------------------------------------------------- */
 
-/* Runs one turn of a part. All layers have equal shares of the work. */
+/* Runs try_inline or solve of the current part. All layers have equal shares of the work. */
 static enum server_query_turn part_solve(struct server_picture_layers *layers,
                                          struct server_query *query, double share)
 {

@@ -33,7 +33,7 @@ static bool iso_is_inside(const struct iso_line *line, double on)
                                   line->side ? line->at : on);
 }
 
-/* Returns where the line leaves the domain between a place inside and a place outside. */
+/* Returns the parameter, between `inside` and `outside`, at which the line leaves the domain. */
 static double iso_border(const struct iso_line *line, double inside, double outside)
 {
     for (int i = 0; i < ISO_HALVINGS; i++) {

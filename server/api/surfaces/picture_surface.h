@@ -1,6 +1,6 @@
-/* Picture surface: the mesh that a figure shows. For a mesh it is the mesh itself, or the pieces of
- * a cut; for a smooth surface a mesh that approximates it. Also the field of a smooth surface,
- * which is the exact field of that mesh. */
+/* Picture surface: the mesh that a figure shows. For a mesh, this is the mesh itself, or the pieces
+ * of a cut. For a smooth surface, it is a mesh that approximates the surface; the exact field of
+ * this mesh stands for the field of the surface. */
 #ifndef SERVER_API_SURFACES_PICTURE_SURFACE_H
 #define SERVER_API_SURFACES_PICTURE_SURFACE_H
 
@@ -8,15 +8,15 @@
 #include "server/fields/discretizations.h"
 #include "server/query/query.h"
 
-struct server_picture_surface {                   /* all zero: nothing is computed yet */
-    const struct gd_mesh *mesh;                   /* the surface's own, or that of a member below */
+struct server_picture_surface {                   /* all zero at first */
+    const struct gd_mesh *mesh;                   /* the stored mesh, or that of a member below */
     struct server_discretization *discretization; /* of a subdivision surface */
     struct gd_tessellation *tessellation;         /* of a NURBS surface */
     struct gd_mesh *pieces;                       /* of a cut */
     /* seeds of the field of a smooth surface; at most one list has items */
     struct proto_uvs uvs;
     struct proto_limit_places places;
-    double max_distance; /* of that field; 0: no limit */
+    double max_distance; /* of that field; 0 means no limit */
     struct gd_field *field;
 };
 

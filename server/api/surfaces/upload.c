@@ -22,7 +22,7 @@
 #define EDIT_SHARE  0.6
 
 struct upload {
-    char name[PROTO_MESH_NAME + 1]; /* empty: the name is generated from the bytes and the edits */
+    char name[PROTO_MESH_NAME + 1]; /* empty if it is generated from the bytes and the edits */
     bool has_caption;
     char caption[SERVER_CAPTION];
     struct proto_edits edits; /* edits of a mesh; may be empty */

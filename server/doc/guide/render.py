@@ -70,7 +70,7 @@ def image(match):
 
 
 def body_of(path):
-    """HTML of a document, and its table of contents."""
+    """Returns a document as HTML, and its table of contents."""
     text = re.sub(r"^\{\{(\w+)\}\}$", lambda name: tables.TABLES[name.group(1)](), path.read_text(encoding="utf-8"), flags=re.M)
     renderer = markdown.Markdown(extensions=EXTENSIONS, extension_configs={"toc": {"toc_depth": "2-3"}})
     body = renderer.convert(text)

@@ -17,7 +17,7 @@ def text_of(name):
 
 
 def c_value(literal):
-    """The text of adjacent C string literals."""
+    """Returns the text of adjacent C string literals."""
     return "".join(ast.literal_eval(part) for part in re.findall(r'"(?:\\.|[^"\\])*"', literal))
 
 
@@ -38,7 +38,8 @@ def contract():
 
 
 def option_rows():
-    """(name, argument, default, help) of each row of the table in server/config/config.c."""
+    """Returns (name, argument, default, help) of each row of the table in
+    server/config/config.c."""
     source = text_of("server/config/config.c")
     rows = re.search(r"struct option options\[\] = \{(.*?)^\};", source, re.S | re.M).group(1)
     row = re.compile(rf'\{{\s*"([a-z-]+)",\s*(NULL|"[^"]*"),\s*\w+\((.*?)\),\s*({C_STRINGS})\s*\}}', re.S)
@@ -57,7 +58,7 @@ def flags():
 
 
 def problem_codes():
-    """(status, code, title) from PROTO_PROBLEM_MAP."""
+    """Returns the rows (status, code, title) of PROTO_PROBLEM_MAP."""
     return re.findall(r'X\((\d+), \w+, (\w+), "([^"]+)"\)', text_of("proto/json/problem.h"))
 
 
@@ -71,7 +72,7 @@ CAUSES = {
 
 
 def problem_causes(document):
-    """The sentences of the contract's shared responses that begin with a code."""
+    """Returns the sentences of the contract's shared responses that begin with a code."""
     causes = dict(CAUSES)
     for response in document["components"]["responses"].values():
         for code, text in re.findall(r"`(\w+)`: (.*?)(?=(?: `\w+`: )|$)", response.get("description", ""), re.S):
@@ -90,7 +91,7 @@ def problems():
 
 
 def metric_rows():
-    """(name, kind, help) of each metric."""
+    """Returns (name, kind, help) of each metric."""
     for source in map(text_of, METRIC_SOURCES):
         for name, text in re.findall(rf'\{{"([a-z_]+)",\s*({C_STRINGS}),\s*[(\w!]', source):
             yield name, "counter" if name.endswith("_total") else "gauge", c_value(text)
@@ -116,7 +117,7 @@ def operations():
 
 
 def bounds(schema, name):
-    """(member, bound) of each long list and each bounded number within a schema."""
+    """Returns (member, bound) of each long list and each bounded number within a schema."""
     if isinstance(schema, list):
         for each in schema:
             yield from bounds(each, name)

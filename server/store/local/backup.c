@@ -86,7 +86,8 @@ static enum server_outcome database_copy(const struct backup *backup, const char
     return outcome == SERVER_STORE_ABSENT ? SERVER_STORE_REFUSED : outcome;
 }
 
-/* Copies the state of the store at one moment. ABSENT: an object was deleted meanwhile. */
+/* Copies the state of the store at one moment. Returns ABSENT if an object was deleted
+ * meanwhile. */
 static enum server_outcome moment_copy(struct backup *backup)
 {
     struct server_database *database;

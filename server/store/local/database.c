@@ -1,4 +1,4 @@
-/* See local.h: the records. See sql.h: the batches. */
+/* The SQLite databases of the records (local.h) and of the batches (sql.h). */
 #include "server/store/local/local.h"
 
 #include <pthread.h>

@@ -56,8 +56,8 @@ bool server_files_open(struct server_files *files, const char *folder);
 /* Like server_files_open, but creates nothing. Also returns false if `objects` or `manifests` is
  * missing. */
 bool server_files_open_existing(struct server_files *files, const char *folder);
-/* Like server_files_open, for a new or an unfinished copy. The objects of an unfinished copy are
- * kept. The copy is unfinished until server_files_finish is called. */
+/* Like server_files_open, but opens a new or an unfinished copy. The objects of an unfinished copy
+ * are kept. The copy is unfinished until server_files_finish is called. */
 bool server_files_open_copy(struct server_files *files, const char *folder);
 enum server_outcome server_files_finish(const struct server_files *files);
 
@@ -92,8 +92,8 @@ void server_files_remove_object(const struct server_files *files, const char *ob
 
 /* --- manifests -------------------------------------------------------------------------------- */
 
-/* Reads a manifest, and computes the SHA-256 of its text. DAMAGED: the manifest is damaged, is
- * missing or has another key. */
+/* Reads a manifest, and computes the SHA-256 of its text. Returns DAMAGED if the manifest is
+ * damaged, is missing or has another key. */
 enum server_record_reading server_files_read_manifest(const struct server_files *files,
                                                       const char *key, struct server_record **out,
                                                       char sha256[SERVER_SHA256_HEX]);
@@ -127,12 +127,14 @@ enum server_database_use {
        schema. */
     SERVER_DATABASE_WRITE,
     /* Reads for a short time, while another process may write. Creates nothing except the -shm file
-       of a log that a crash left. ABSENT: there is no file, or the file has no table yet. */
+       of a log that a crash left. The outcome is ABSENT if there is no file, or the file has no
+       table yet. */
     SERVER_DATABASE_READ,
     SERVER_DATABASE_COPY /* like READ, but accepts any tables; used to check or copy a database */
 };
 
-/* Opens the database. DAMAGED: the caller renames the file and opens a new one. */
+/* Opens the database. If the outcome is DAMAGED, the caller renames the file and opens a new
+ * one. */
 enum server_outcome server_database_open(const char *path, enum server_database_use use,
                                          struct server_database **out);
 
@@ -155,7 +157,7 @@ enum server_outcome server_database_remove(struct server_database *database, con
 enum server_outcome server_database_count(struct server_database *database, const char *object,
                                           int64_t *count);
 
-/* Finds the objects of a key. ABSENT: there is no row with this key. */
+/* Finds the objects of a key. Returns ABSENT if there is no row with this key. */
 enum server_outcome server_database_find(struct server_database *database, const char *key,
                                          struct server_sql_surface *out);
 
@@ -179,7 +181,8 @@ enum server_outcome server_sqlite_outcome(int code);
 
 /* Migrates a database from its user_version to `version` in one transaction. steps[i] migrates
  * version i to version i + 1; steps are added at the end and never changed. A database that is not
- * new is first copied to `copy_path`. DAMAGED: the version is impossible, or a step fails. */
+ * new is first copied to `copy_path`. Returns DAMAGED if the version is impossible, or a step
+ * fails. */
 enum server_outcome server_sqlite_migrate(struct sqlite3 *connection, const char *const *steps,
                                           int version, const char *copy_path);
 

@@ -45,7 +45,7 @@ struct local {
     /* freed after the first visit; findings with a row come first, sorted by key */
     struct finding *findings;
     uint32_t count, capacity;
-    /* ids of the objects that the last change removed from a surface; empty: none */
+    /* ids of the objects that the last change removed from a surface; empty means none */
     char left[SERVER_PARTS][SERVER_OBJECT];
     bool lacks_rows; /* true if a repair failed, so that the rows do not list all objects in use */
     atomic_bool is_read_only;
@@ -55,7 +55,8 @@ struct local {
 
 /* --- health ----------------------------------------------------------------------------------- */
 
-/* Makes the store read-only, for this reason. Does nothing if it is read-only already. */
+/* Makes the store read-only; the formatted text is the reason. Does nothing if the store is
+ * read-only already. */
 __attribute__((format(printf, 2, 3))) static void local_forbid(struct local *local,
                                                                const char *format, ...)
 {

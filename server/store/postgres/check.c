@@ -45,7 +45,7 @@ static enum server_outcome pg_check_object(struct server_pg *pg, struct check *c
                                                                              : outcome;
 }
 
-/* Checks the surface after the last checked one. ABSENT: there is none. */
+/* Checks the surface after the last checked one. Returns ABSENT if there is none. */
 static enum server_outcome pg_check_next(struct server_pg *pg, struct check *check)
 {
     uint32_t before = check->surfaces;

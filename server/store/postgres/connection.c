@@ -319,7 +319,7 @@ void server_pg_pool_has_answered(struct server_pg_pool *pool)
     atomic_store(&pool->is_away, false);
 }
 
-/* Returns a connection to the pool. With NULL, returns the place of a closed connection. */
+/* Returns a connection to the pool. NULL stands for a connection that was closed. */
 static void pool_return(struct server_pg_pool *pool, struct server_pg *pg)
 {
     SERVER_LOCK(&pool->lock);
@@ -382,8 +382,8 @@ static enum server_outcome attempt_commit(struct server_pg_attempt *attempt)
     return outcome;
 }
 
-/* Queries the status of a COMMIT that was not answered. DONE: committed; STALE: aborted;
- * UNAVAILABLE: not known yet, or in progress. */
+/* Queries the status of a COMMIT that was not answered. Returns DONE if it was committed, STALE if
+ * it was aborted, UNAVAILABLE if this is unknown or it is in progress. */
 static enum server_outcome attempt_ask(struct server_pg_attempt *attempt)
 {
     struct server_sql_integers ended = {0};

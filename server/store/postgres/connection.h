@@ -47,11 +47,12 @@ void server_pg_pool_give(struct server_pg_pool *pool, struct server_pg *pg);
 bool server_pg_pool_is_away(struct server_pg_pool *pool);
 void server_pg_pool_has_answered(struct server_pg_pool *pool);
 
-/* Runs one statement. UNAVAILABLE: the connection is lost or missed the deadline; STALE: a
- * conflict, retry the transaction; FULL; NO_MEMORY; REFUSED: any other error. */
+/* Runs one statement. Errors: UNAVAILABLE (the connection is lost or missed the deadline), STALE (a
+ * conflict; retry the transaction), FULL, NO_MEMORY, REFUSED (any other error). */
 enum server_outcome server_pg_run(struct server_pg *pg, const struct server_statement *statement);
 
-/* The attempts at a transaction or at a reading. The body of the loop may run several times. */
+/* The attempts at a transaction, or at reads without a transaction. The body of the loop may run
+ * several times. */
 struct server_pg_attempt {
     struct server_pg *pg; /* the connection of this attempt */
     /* the loop's body sets the outcome of an attempt; after the loop this is the outcome of all
@@ -66,8 +67,8 @@ struct server_pg_attempt {
 };
 
 /* The body of the loop sets the outcome: DONE commits the transaction, STALE retries it, and
- * PRECONDITION ends it because another daemon made a change. UNAVAILABLE after the loop: nothing
- * changed, or it is unknown whether the change was made. */
+ * PRECONDITION ends it because another daemon made a change. UNAVAILABLE after the loop means that
+ * nothing changed, or that it is unknown whether the change was made. */
 struct server_pg_attempt server_pg_transaction(struct server_pg_pool *pool);
 
 /* Begins attempts without a transaction. They are repeated if the connection is lost, for at most
@@ -102,8 +103,8 @@ enum server_outcome server_pg_check_chunk(struct server_pg *pg, const struct ser
 /* Returns the number of chunks of the object. */
 uint64_t server_pg_chunks(const struct server_object *object);
 
-/* Makes or migrates the tables, one process at a time. PRECONDITION: a later version of the daemon
- * made them. */
+/* Makes or migrates the tables, one process at a time. Returns PRECONDITION if a later version of
+ * the daemon made them. */
 enum server_outcome server_pg_migrate(struct server_pg_pool *pool);
 
 #endif

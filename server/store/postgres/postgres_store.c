@@ -50,10 +50,11 @@ struct change {
     size_t size;
     uint64_t before; /* the expected version; 0 means none */
     struct server_sql_integers version;
-    struct server_sql_surface found; /* current row of the key; version 0: none */
+    struct server_sql_surface found; /* current row of the key; version 0 means none */
 };
 
-/* Finds the key's row. PRECONDITION: the row's version differs from that in the registry. */
+/* Finds the key's row. Returns PRECONDITION if the row's version differs from that in the
+ * registry. */
 static enum server_outcome pg_change_check(struct server_pg *pg, struct change *change)
 {
     change->found = (struct server_sql_surface){0};
@@ -67,7 +68,7 @@ static enum server_outcome pg_change_check(struct server_pg *pg, struct change *
                                                              : SERVER_STORE_PRECONDITION;
 }
 
-/* Writes the change. PRECONDITION: a staged object was deleted. */
+/* Writes the change. Returns PRECONDITION if a staged object was deleted. */
 static enum server_outcome pg_change_write(struct server_pg *pg, const struct change *change)
 {
     const struct server_object *objects = change->record->objects;
