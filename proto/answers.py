@@ -78,7 +78,7 @@ def kind_of(schema):
 
 
 class Writer:
-    """The function of one answer."""
+    """Writes the C function of one answer."""
 
     def __init__(self, document, name):
         self.document, self.name, self.answer = document, name, ANSWERS[name]

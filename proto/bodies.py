@@ -13,7 +13,7 @@ in the struct. The contract has the sentences of problems beside the properties:
     x-one-of     {members: [a, b], refusal: sentence}: exactly one of the two is present
 
 A `oneOf` of objects with `x-forms: {refusal: sentence}` becomes a struct with the member `form`,
-and a function that reads it. The first required member of a form names it.
+and a function that reads it. A form has the name of its first required member.
 
     first: true      the first form that is present decides; else exactly one may be present
     more: [name…]    forms that only C makes

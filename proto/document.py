@@ -63,8 +63,8 @@ def values(node, place="#"):
 
 
 def resolve(document, reference):
-    """Returns the value that a reference within the document points at; LookupError if there is
-    none."""
+    """Returns the value that a reference within the document points at. Raises LookupError if there
+    is none."""
     if not reference.startswith("#/"):
         raise LookupError(reference)
     node = document

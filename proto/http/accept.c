@@ -48,7 +48,7 @@ static int closeness(struct span range, const char *media_type)
     return any_subtype && strncasecmp(range.text, media_type, slash) == 0 ? 2 : 0;
 }
 
-/* Returns a weight in thousandths: for "0.5" 500; for malformed text 0, which means a refusal. */
+/* Returns a weight in thousandths: 500 for "0.5". Malformed text gives 0, which means a refusal. */
 static unsigned weight(struct span text)
 {
     unsigned value = 0, digit = 1000;

@@ -2,8 +2,8 @@
  * `generate.py assets`.
  *
  * "/" and "/openapi.json" are operations with their own handlers, which serve the asset of that
- * path. The pages' other files have no operations. If the path of a GET has no route, the asset of
- * this path is the answer; not_found is the answer only if there is none. */
+ * path. The pages' other files have no operations. If the path of a GET has no route, the answer is
+ * the asset of this path, or not_found if there is no such asset. */
 #ifndef PROTO_ASSET_H
 #define PROTO_ASSET_H
 

@@ -13,7 +13,7 @@
 /* The parameters of a decoded query string; borrowed. */
 struct proto_parameters {
     const struct proto_parameter {
-        const char *name, *value; /* "": a parameter without a value */
+        const char *name, *value; /* the value "" means a parameter without a value */
     } * all;
     uint32_t count;
 };
@@ -82,24 +82,25 @@ uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members);
 struct proto_options proto_options_within(const struct proto_options *options, uint32_t whole);
 
 /* Reads the options that all queries share: select, geometry and timeout_ms. `allowed` are the
- * names of the operation's parameters. `fields`: names of the answer's top-level fields; NULL means
- * no projection. Both are NULL-terminated, with at most 32 names. Fails with invalid_request at the
- * parameter. */
+ * names of the operation's parameters. `fields` are the names of the answer's top-level fields;
+ * NULL means that fields can't be selected. Both are NULL-terminated, with at most 32 names. Fails
+ * with invalid_request at the parameter. */
 bool proto_options_parse(const struct proto_parameters *parameters, const char *const *fields,
                          const char *const *allowed, struct proto_options *out,
                          struct proto_problem *problem);
 
 /* Steps of proto_options_parse. proto_options_of returns the default options, which select all
- * fields. proto_options_select reads the texts of select and geometry (NULL: not given), with
- * problems at the parameters of these names. proto_options_timeout reads timeout_ms. */
+ * fields. proto_options_select reads the texts of the parameters `select` and `geometry`, which are
+ * NULL if not given. Its problems are at these parameters. proto_options_timeout reads
+ * timeout_ms. */
 struct proto_options proto_options_of(const char *const *fields);
 bool proto_options_select(struct proto_options *options, const char *select, const char *geometry,
                           struct proto_problem *problem);
 bool proto_options_timeout(const struct proto_parameters *parameters, struct proto_options *out,
                            struct proto_problem *problem);
 
-/* Fills in the problem of an answer without lines for which a geometry other than full is
- * requested. Returns false. */
+/* Fills in the problem that a geometry other than full is requested for an answer without lines.
+ * Returns false. */
 bool proto_options_refuse_geometry(struct proto_problem *problem, const char *place);
 
 #endif

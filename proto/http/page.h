@@ -15,8 +15,8 @@
 
 struct proto_page {
     uint32_t limit; /* 1 to PROTO_PAGE_MOST */
-    /* the page starts after this item; NULL: with the first item. Lives as long as the query
-       string */
+    /* the page starts after this item, or with the first item if this is NULL. Lives as long as the
+       query string */
     const char *after;
     /* prefix of the names of all items; NULL means any name. Lives as long as the query string */
     const char *prefix;
@@ -26,7 +26,7 @@ struct proto_page {
 bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out,
                       struct proto_problem *problem);
 
-/* Like proto_page_parse, for a list of names, which also accepts `prefix`. */
+/* Like proto_page_parse, but also accepts `prefix`, for a list of names. */
 bool proto_page_parse_names(const struct proto_parameters *parameters, struct proto_page *out,
                             struct proto_problem *problem);
 

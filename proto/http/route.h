@@ -78,8 +78,8 @@ struct proto_route_match {
     } captures[PROTO_ROUTE_CAPTURES]; /* in path order */
 };
 
-/* Finds the row of a request. `method` as in the request line; HEAD finds the row of GET. `path`:
- * without query string, percent-decoded, borrowed by the captures. Problems: not_found;
+/* Finds the row of a request. `method` is that of the request line; HEAD finds the row of GET.
+ * `path` is percent-decoded and has no query string; the captures borrow it. Problems: not_found;
  * method_not_allowed, with `allow` set. O(count) comparisons of short strings; thread-safe. */
 bool proto_route_find(const struct proto_route *routes, size_t count, const char *method,
                       const char *path, struct proto_route_match *out,

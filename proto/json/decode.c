@@ -21,8 +21,8 @@ static void refuse_text(const struct proto_parse_end *end, struct proto_problem 
                          end->error.column, end->error.position, end->error.text);
 }
 
-/* Bytes that jansson uses for an empty object; for an empty array; for a value in an array,
- * together with the memory into which it is decoded; for a member's name and value. */
+/* Bytes that jansson uses for an empty object, for an empty array, for a value in an array
+ * (including the memory into which it is decoded), and for a member's name and value. */
 #define OBJECT_BYTES 256
 #define ARRAY_BYTES  160
 #define VALUE_BYTES  80

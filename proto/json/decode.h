@@ -22,14 +22,14 @@
 
 /* The reason why parsing failed. */
 struct proto_parse_end {
-    /* GD_NO_MEMORY, GD_DEADLINE or GD_CANCELLED; GD_OK: the text is invalid */
+    /* GD_NO_MEMORY, GD_DEADLINE or GD_CANCELLED; GD_OK means that the text is invalid */
     enum gd_status status;
     size_t deep_at;     /* 1 + offset of the bracket that nests too deeply; 0 means none */
     json_error_t error; /* any other error */
 };
 
-/* Returns the document, owned by the caller: no duplicate members, all numbers are json_real. NULL
- * on failure. `control` may be NULL. */
+/* Returns the document, which the caller owns, or NULL on failure. The document has no duplicate
+ * members, and all its numbers are json_real. `control` may be NULL. */
 json_t *proto_parse(const char *text, size_t size, const struct gd_control *control,
                     struct proto_parse_end *end);
 
@@ -40,13 +40,14 @@ json_t *proto_parse(const char *text, size_t size, const struct gd_control *cont
  * parsing then stops, too. */
 size_t proto_decode_cost(const void *bytes, size_t size, const struct gd_control *control);
 
-/* Parses a body: UTF-8 JSON, at most PROTO_DECODE_DEPTH deep, no duplicate members, no NUL, no
- * number beyond the doubles. All numbers become json_real. `bytes` are borrowed for the call. The
- * caller owns the document (json_decref). On failure returns NULL, and the problem names line (if
- * there are several), column and byte. Memory: about 60 bytes a number. */
+/* Parses a body: UTF-8 JSON, at most PROTO_DECODE_DEPTH levels deep, without duplicate members,
+ * without NUL, and without numbers beyond the range of doubles. All numbers become json_real.
+ * `bytes` are borrowed for the call. The caller owns the document (json_decref). On failure returns
+ * NULL, and the problem names line (if there are several), column and byte. Memory: about 60 bytes
+ * a number. */
 json_t *proto_decode_document(const void *bytes, size_t size, struct proto_problem *problem);
 
-/* Like proto_decode_document, with a deadline and cancellation. */
+/* Like proto_decode_document, but with a deadline and cancellation. */
 json_t *proto_decode_document_within(const void *bytes, size_t size,
                                      const struct gd_control *control,
                                      struct proto_problem *problem);

@@ -151,8 +151,8 @@ void proto_indices_free(struct proto_indices *indices)
     *indices = (struct proto_indices){0};
 }
 
-/* Allocates room for the numbers of a list, of `size` bytes each, and one more. Returns NULL if the
- * list is missing, or with a problem and `*ok` false. */
+/* Allocates room for the numbers of a list and one more, `size` bytes each. Returns NULL if the
+ * list is missing. On failure, returns NULL with the problem and sets `*ok` to false. */
 static void *make_room(const struct proto_object *object, const struct proto_rule *rule,
                        size_t size, uint32_t *count, bool *ok)
 {

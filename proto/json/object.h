@@ -52,8 +52,8 @@ bool proto_object_has(const struct proto_object *object, const char *name);
 const json_t *proto_object_find(const struct proto_object *object, const struct proto_rule *rule,
                                 char place[PROTO_PLACE]);
 
-/* Like proto_object_find, for an array, whose length is checked. Sets `*ok` to false if there is a
- * problem. */
+/* Like proto_object_find, but the member must be an array, whose length is checked. Sets `*ok` to
+ * false if there is a problem. */
 const json_t *proto_object_list(const struct proto_object *object, const struct proto_rule *rule,
                                 char place[PROTO_PLACE], bool *ok);
 

@@ -57,21 +57,21 @@ enum proto_problem_code {
 #define PROTO_PROBLEM_ALLOW     64
 
 struct proto_problem {
-    enum proto_problem_code code; /* PROTO_PROBLEM_NONE: no problem */
+    enum proto_problem_code code; /* PROTO_PROBLEM_NONE means none */
     unsigned status;              /* HTTP status of the code */
     char detail[PROTO_PROBLEM_DETAIL];
     bool has_pointer; /* the place is a pointer; the pointer "" is the whole body */
     char pointer[PROTO_PROBLEM_POINTER];
-    char parameter[PROTO_PROBLEM_PARAMETER]; /* empty: none */
+    char parameter[PROTO_PROBLEM_PARAMETER]; /* empty means none */
     /* static string, such as a gd_status_name; may be NULL */
     const char *reason;
     bool has_limit;
     uint64_t limit; /* the configured maximum that was exceeded */
-    /* kind of the elements; GD_ELEMENT_NONE: there are none */
+    /* kind of the elements; GD_ELEMENT_NONE means none */
     enum gd_element element;
     uint32_t element_count;                   /* number of listed elements */
     uint64_t elements[GD_DETAIL_ELEMENTS][2]; /* only edges use [1] */
-    /* value of the Allow header; empty: none. Not in the body */
+    /* value of the Allow header; empty means none. Not in the body */
     char allow[PROTO_PROBLEM_ALLOW];
     /* seconds, for the Retry-After header; 0 means none. Not in the body */
     unsigned retry_after;
@@ -84,7 +84,8 @@ struct proto_problem {
 bool proto_problem_set(struct proto_problem *problem, enum proto_problem_code code,
                        const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* Like proto_problem_set with INVALID_REQUEST, at a place (copied; see above). Returns false. */
+/* Like proto_problem_set with INVALID_REQUEST, but also sets the place (see above), which is
+ * copied. Returns false. */
 bool proto_problem_refuse(struct proto_problem *problem, const char *place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -93,8 +94,8 @@ bool proto_problem_refuse_member(struct proto_problem *problem, const char *plac
                                  const char *member, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* Like proto_problem_set with TOO_LARGE, the exceeded maximum and a place (may be NULL). Returns
- * false. */
+/* Like proto_problem_set with TOO_LARGE, but also sets the exceeded maximum and the place (may be
+ * NULL). Returns false. */
 bool proto_problem_exceed(struct proto_problem *problem, const char *place, uint64_t limit,
                           const char *format, ...) __attribute__((format(printf, 4, 5)));
 
@@ -126,9 +127,10 @@ struct proto_writer;
 /* Writes the problem as one JSON value (media type application/problem+json). */
 void proto_problem_encode(struct proto_writer *writer, const struct proto_problem *problem);
 
-/* Returns true if the writer has not failed, otherwise false with the problem. insufficient_memory:
- * out of memory, no room in the account (retry_after is set), or more than the maximum, which
- * becomes the problem's limit. cancelled: the sink stopped the writer. */
+/* Returns true if the writer has not failed, otherwise false with the problem. The problem is
+ * insufficient_memory if there is no memory, no room in the account (retry_after is then set), or
+ * more text than the maximum, which becomes the problem's limit. It is `cancelled` if the sink
+ * stopped the writer. */
 bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem);
 
 #endif

@@ -21,7 +21,7 @@
 #define PROTO_BATCH_LINE   (256 << 10) /* most bytes of a line */
 #define PROTO_BATCH_SELECT 256         /* most bytes of "select", its NUL included */
 
-struct proto_batch_line { /* all zero: before the first line */
+struct proto_batch_line { /* all zero means before the first line */
     const char *text;     /* points into the batch; without the line end */
     size_t size;
     size_t end;      /* offset in the batch where the next line begins */
@@ -33,7 +33,7 @@ bool proto_batch_next(const char *text, size_t size, struct proto_batch_line *li
 
 #define PROTO_BATCH_NAME 64 /* including the NUL */
 
-struct proto_batch_query { /* all zero: empty */
+struct proto_batch_query { /* all zero means empty */
     json_t *document;      /* the query's own body, without the line's members */
     char name[PROTO_BATCH_NAME];
     char select[PROTO_BATCH_SELECT]; /* written as in a query string */
@@ -55,7 +55,7 @@ bool proto_batch_options(const struct proto_batch_query *query,
                          const struct proto_parameters *defaults, const struct proto_route *route,
                          struct proto_options *out, struct proto_problem *problem);
 
-/* Begins an answer's line of status 200. Returns the line's offset. */
+/* Begins an answer's line with the status 200. Returns the line's offset. */
 size_t proto_batch_begin(struct proto_writer *writer);
 
 /* Ends the line that began at `begin`, after the caller has written the answer, one object. */

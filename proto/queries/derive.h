@@ -21,7 +21,7 @@ static inline struct gd_edit_steps proto_edits_steps(const struct proto_edits *e
 }
 
 struct proto_derive {
-    struct proto_name mesh; /* name of the new mesh; empty: the answer is a file */
+    struct proto_name mesh; /* name of the new mesh; empty if the answer is a file */
     /* true if each component becomes a mesh, whose name is `mesh` and a number */
     bool is_split;
     enum gd_format format; /* format of the file */

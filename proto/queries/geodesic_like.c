@@ -61,7 +61,8 @@ static bool decode_turns(const json_t *document, struct proto_geodesic *out,
     return true;
 }
 
-/* Reads the members that select a class of paths: turns or an initial curve, without all_minima. */
+/* Reads the members that select a class of paths: `turns` or `initial`. Only one of these and
+ * `all_minima` may be given. */
 static bool decode_class(const json_t *document, struct proto_geodesic *out,
                          struct proto_problem *problem)
 {

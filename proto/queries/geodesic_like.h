@@ -18,7 +18,7 @@ struct proto_geodesic_form {
 extern const struct proto_geodesic_form proto_geodesic_between_points, proto_geodesic_to_curve,
     proto_geodesic_between_curves;
 
-struct proto_geodesic { /* all zero: empty */
+struct proto_geodesic { /* all zero means empty */
     const struct proto_geodesic_form *form;
     struct proto_domain_curve ends[2];
     struct proto_domain_curve initial; /* set if has_initial is true */

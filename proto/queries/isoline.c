@@ -152,8 +152,8 @@ double proto_isolines_tolerance(double tolerance, const struct gd_mesh *mesh)
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-/* Converts the arc's start angle from the arc's own axes to those of directions; in [0, 2 pi), and
- * never -0. */
+/* Converts the arc's start angle from the arc's own axes to those of directions. The result is in
+ * [0, 2 pi), and never -0. */
 static double start_of(const struct gd_mesh *mesh, const struct gd_isoline_arc *arc)
 {
     struct gd_vec3 zero, quarter, x, y;

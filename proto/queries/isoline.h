@@ -12,14 +12,14 @@
 #define PROTO_ISOLINES_LEVELS 1000   /* most levels of a request */
 #define PROTO_ISOLINES_POINTS 500000 /* most points, and most arcs, of an answer */
 
-/* All zero: empty. */
+/* All zero means empty. */
 struct proto_isolines {
     /* owned; if the request has only a count, NULL until proto_isolines_settle */
     double *levels;
     uint32_t level_count; /* at least 1 */
     double tolerance;     /* 0 if not given */
     bool wants_arcs;
-    const char *place; /* place of levels or count in the request, static */
+    const char *place; /* place of `levels` or `count` in the request, static */
 };
 
 /* Decode the body of POST and the query string of GET. Problems: invalid_request, too_large (with

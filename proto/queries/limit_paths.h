@@ -10,7 +10,7 @@
 #include "proto/queries/trace.h"
 #include "proto/values/limit_place.h"
 
-struct proto_limit_trace { /* all zero: empty */
+struct proto_limit_trace { /* all zero means empty */
     struct proto_limit_trace_request request;
     struct gd_limit_point start;
     uint32_t count; /* number of directions that the request lists, or of its fan */
@@ -26,7 +26,7 @@ struct proto_limit_level {
     bool for_traces, for_paths;
 };
 
-/* Decodes a request to build a level ahead. Problem: invalid_request. */
+/* Decodes a request to build a level in advance. Problem: invalid_request. */
 bool proto_limit_level_request(const json_t *document, const struct gd_subdivision *surface,
                                struct proto_limit_level *out, struct proto_problem *problem);
 
@@ -40,8 +40,8 @@ bool proto_limit_trace_decode(const json_t *document, const struct gd_subdivisio
 struct gd_vec3 proto_limit_trace_direction(const struct proto_limit_trace *trace,
                                            const struct gd_limit_jet *start, uint32_t i);
 
-/* Writes a traced path on the mesh, with points of the mesh, or on the surface itself. `end` is the
- * surface's jet at the path's end. The geometry selects the form of points, as in path.h. */
+/* Write a path that was traced on the mesh, as points of the mesh, or on the surface itself. `end`
+ * is the surface's jet at the path's end. The geometry selects the form of points, as in path.h. */
 void proto_limit_trace_encode_mesh(struct proto_writer *writer, const struct gd_limit_mesh *fine,
                                    const struct gd_trace *trace, const struct gd_limit_jet *end,
                                    enum proto_geometry geometry);

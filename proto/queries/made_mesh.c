@@ -40,7 +40,7 @@ bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
     *out = (struct proto_tessellation){
         request.mesh,
         {.deviation = request.tolerance,
-         /* with a tolerance: the least number of faces, so that only the tolerance counts */
+         /* if a tolerance is given, the least number of faces, so that only the tolerance counts */
          .faces = request.has_tolerance,
          .steps = {request.resolution[0], request.resolution[1]}}};
     return true;

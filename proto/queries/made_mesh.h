@@ -1,5 +1,5 @@
-/* Made mesh: a smooth surface as a mesh, by discretization of a subdivision surface or tessellation
- * of a parametric surface; and the surface points of the mesh's vertices. */
+/* Made mesh: a mesh that approximates a smooth surface (a discretization of a subdivision surface,
+ * or a tessellation of a parametric surface), and the surface points of its vertices. */
 #ifndef PROTO_MADE_MESH_H
 #define PROTO_MADE_MESH_H
 

@@ -27,7 +27,7 @@ struct proto_many {
 bool proto_many_decode(struct json_t *document, struct proto_many *out,
                        struct proto_problem *problem);
 
-/* Like proto_many_decode, from text. */
+/* Like proto_many_decode, but parses text. */
 bool proto_many_read(const void *text, size_t size, struct proto_many *out,
                      struct proto_problem *problem);
 void proto_many_free(struct proto_many *many); /* accepts all zero */
@@ -47,7 +47,7 @@ struct proto_many_page {
     uint32_t limit;
     /* true if `cursor` was sent, and items are listed in the order of their answers */
     bool is_by_number;
-    int64_t after; /* number of an item (-1: lists from the first one), or of an answer */
+    int64_t after; /* number of an item (-1 means before the first one), or of an answer */
     uint64_t wait_s;
 };
 
@@ -74,7 +74,7 @@ bool proto_many_has_ended(const struct proto_many_state *state);
 /* Returns "running", "done" or "cancelled". */
 const char *proto_many_state_name(const struct proto_many_state *state);
 
-/* Writes an item's answer. `answer`: JSON. */
+/* Writes an item's answer. `answer` is JSON. */
 void proto_many_encode_answer(struct proto_writer *writer, const struct proto_many *many,
                               uint32_t item, unsigned status, const char *answer, size_t size);
 

@@ -25,7 +25,7 @@ bool proto_nurbs_options_parse(const struct proto_parameters *parameters,
 
 /* --- the file --------------------------------------------------------------------------------- */
 
-struct file { /* all zero: empty */
+struct file { /* all zero means empty */
     struct gd_nurbs_data data;
     struct proto_nurbs_surface knots;
     double (*points)[3], *weights;
@@ -65,7 +65,7 @@ static bool decode_convention(const json_t *document, const struct proto_nurbs_o
                                 "a convention is \"canonical\", \"three\", \"verb\" or \"rhino\"");
 }
 
-/* Refuses the element (i, j) of a member, or the row i when j is SIZE_MAX. */
+/* Refuses the item (i, j) of a member, or the row i if j is SIZE_MAX. */
 static bool refuse_at(const char *member, size_t i, size_t j, const char *expected,
                       struct proto_problem *problem)
 {

@@ -1,5 +1,5 @@
-/* NURBS: a parametric surface as a resource. Options of an upload, its file (schema NurbsFile), its
- * description. This header does not expose the JSON library. */
+/* NURBS: a parametric surface as a resource. Reads the options and the file (schema NurbsFile) of
+ * an upload, and writes the description. This header does not expose the JSON library. */
 #ifndef PROTO_NURBS_H
 #define PROTO_NURBS_H
 
@@ -14,7 +14,7 @@ struct proto_nurbs_options {
     const struct gd_control *control; /* control of the reading; borrowed; may be NULL */
 };
 
-/* Reads convention, and format, which can only be json; rejects any other parameter. */
+/* Reads the parameters `convention` and `format` (only json); rejects any other parameter. */
 bool proto_nurbs_options_parse(const struct proto_parameters *parameters,
                                struct proto_nurbs_options *out, struct proto_problem *problem);
 
@@ -46,7 +46,7 @@ struct proto_nurbs_description {
     /* faces of the tessellation that seeds shortest paths; 0 means none */
     uint64_t seeding_faces;
     const char *obstacle;    /* why there is no tessellation */
-    uint32_t trimming_loops; /* 0: not trimmed */
+    uint32_t trimming_loops; /* 0 means not trimmed */
     bool has_outer_loop;
 };
 

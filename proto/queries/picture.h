@@ -11,7 +11,7 @@
 
 struct proto_picture {
     struct gd_picture picture; /* the members mesh, field, path and layers are not set */
-    const char *field;         /* an id, borrowed from the query string; NULL: none */
+    const char *field;         /* an id, borrowed from the query string, or NULL */
     bool has_source;
     struct proto_point source;
     struct proto_points stops;            /* stops of the path: at least two, or none */
@@ -27,8 +27,8 @@ bool proto_picture_parse(const struct proto_parameters *parameters, struct proto
 void proto_picture_free(struct proto_picture *picture); /* may be called repeatedly */
 
 /* Decodes the request of a figure. `out` must not be moved, because it holds pointers to its own
- * members. The bodies of layers that are operations are not decoded. Freed by proto_picture_free.
- * Problems: as proto_picture_parse. */
+ * members. The bodies of layers that are operations are not decoded. The caller frees the result by
+ * proto_picture_free. Problems: those of proto_picture_parse. */
 bool proto_picture_decode(const json_t *document, struct proto_picture *out,
                           struct proto_problem *problem);
 

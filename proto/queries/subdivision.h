@@ -1,6 +1,6 @@
-/* Subdivision: a subdivision surface as a resource. Options of an upload, its file, its
- * description. The file is a mesh file of polygons, OBJ with the tag lines of OpenSubdiv, or
- * SubdivisionJson (usd.h). This header does not expose the JSON library. */
+/* Subdivision: a subdivision surface as a resource. Reads the options and the file of an upload,
+ * and writes the description. The file is a mesh file of polygons, OBJ with the tag lines of
+ * OpenSubdiv, or SubdivisionJson (usd.h). This header does not expose the JSON library. */
 #ifndef PROTO_SUBDIVISION_H
 #define PROTO_SUBDIVISION_H
 
@@ -8,7 +8,7 @@
 #include "generated/answers.h"
 
 struct proto_subdivision_options {
-    enum gd_format format; /* GD_FORMAT_ANY: not given */
+    enum gd_format format; /* GD_FORMAT_ANY if not given */
     bool has_scheme;       /* false if the scheme is that of the file, or Catmull-Clark */
     enum gd_scheme scheme;
 };

@@ -8,7 +8,7 @@
 #include "gd/curve.h"
 #include "generated/requests.h"
 
-/* A curve on its mesh, all zero: none. */
+/* A curve on its mesh. All zero means none. */
 struct proto_located_curve {
     const struct proto_curve *curve;    /* borrowed */
     struct gd_curve_request request;    /* used unless the curve is a spline */

@@ -17,7 +17,7 @@ bool proto_domain_curve_decode_member(const json_t *document, const char *member
 bool proto_domain_curve_decode_point(const json_t *document, const char *member,
                                      struct proto_domain_curve *out, struct proto_problem *problem);
 
-/* Makes the curve on its surface. If the request closes an open polyline, the first corner is
+/* Creates the curve on its surface. If the request closes an open polyline, the first corner is
  * appended. Problems: invalid_request; point_not_on_surface (with the point outside the domain);
  * insufficient_memory; those of `control`, which may be NULL. The caller releases `*out`. Cost:
  * about 30 evaluations for each span, and 60 for each crossing of a line where the surface is not

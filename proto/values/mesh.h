@@ -1,5 +1,5 @@
-/* Mesh: a mesh as a resource. Its name, the options of an upload, its description, the format of a
- * download. */
+/* Mesh: a mesh as a resource. Reads its name, the options of an upload and the format of a
+ * download; writes its description. */
 #ifndef PROTO_MESH_H
 #define PROTO_MESH_H
 
@@ -29,15 +29,15 @@ bool proto_name_decode(const struct json_t *value, const char *place, struct pro
 void proto_made_of_encode(struct proto_writer *writer, const char *key, const char *name,
                           const char *etag);
 
-/* Checks a name: [A-Za-z0-9_-][A-Za-z0-9._-]{0,127}; else invalid_request. `name` has `length`
- * bytes and need not be NUL-terminated. */
+/* Checks that a name has the form [A-Za-z0-9_-][A-Za-z0-9._-]{0,127}. Otherwise fails with
+ * invalid_request. `name` has `length` bytes and need not be NUL-terminated. */
 bool proto_mesh_name_check(const char *name, size_t length, struct proto_problem *problem);
 
 /* limit on the characters of the description that a client gives a surface */
 #define PROTO_CAPTION 200
 
-/* Checks a caption: UTF-8 of at most PROTO_CAPTION characters, without control characters; else
- * invalid_request. */
+/* Checks that a caption is UTF-8 of at most PROTO_CAPTION characters, without control characters.
+ * Otherwise fails with invalid_request. */
 bool proto_caption_check(const char *text, struct proto_problem *problem);
 
 /* Reads `?description=` of an upload, borrowed; NULL if not given. */
@@ -53,7 +53,7 @@ bool proto_caption_decode(const struct json_t *document, const char **out,
 void proto_caption_encode(struct proto_writer *writer, const char *text);
 
 struct proto_mesh_options {
-    enum gd_format format; /* GD_FORMAT_ANY: not given */
+    enum gd_format format; /* GD_FORMAT_ANY if not given */
     struct gd_mesh_options build;
 };
 
@@ -84,7 +84,7 @@ struct proto_mesh_description {
     uint64_t memory_bytes;
     const struct gd_mesh *mesh;
     struct {              /* set for a mesh that edits made */
-        const char *mesh; /* the original's name; "": an upload; NULL means no edits made it */
+        const char *mesh; /* the original; "" for an upload; NULL means no edits made it */
         const char *etag;
         double largest_distance;
         const char *operations; /* JSON */
@@ -93,8 +93,8 @@ struct proto_mesh_description {
 
 /* generated/answers.h: proto_mesh_encode writes it. */
 
-/* Writes a page of at most `limit` boundary loops, starting after number `after` (-1: from the
- * first). */
+/* Writes a page of at most `limit` boundary loops, starting after number `after`, or from the first
+ * one if that is -1. */
 void proto_boundaries_encode(struct proto_writer *writer, const struct gd_mesh *mesh, int64_t after,
                              uint32_t limit);
 

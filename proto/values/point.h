@@ -27,12 +27,12 @@ bool proto_point_parse(const char *text, const char *parameter, struct proto_poi
 bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *point,
                         struct gd_point *out, double *snap_distance, struct proto_problem *problem);
 
-/* Writes all fields of a point: face, barycentric, xyz, then vertex, or edge and t, if the point
- * lies on one, then snap_distance unless that is NAN. */
+/* Writes all fields of a point: face, barycentric, xyz; then vertex if the point is a vertex, or
+ * edge and t if it lies on an edge; then snap_distance unless that is NAN. */
 void proto_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                         const struct gd_point *point, double snap_distance);
 
-/* Like proto_point_encode, with only these fields (bits of enum proto_point_field). */
+/* Like proto_point_encode, but writes only these fields (bits of enum proto_point_field). */
 void proto_point_encode_fields(struct proto_writer *writer, const struct gd_mesh *mesh,
                                const struct gd_point *point, double snap_distance, uint32_t fields);
 

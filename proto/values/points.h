@@ -4,7 +4,7 @@
 
 #include "proto/values/point.h"
 
-struct proto_points { /* all zero: empty */
+struct proto_points { /* all zero means empty */
     struct proto_point *items;
     uint32_t count, capacity;
 };
@@ -20,7 +20,8 @@ struct proto_point *proto_points_add(struct proto_points *points, struct proto_p
 bool proto_points_decode(struct proto_points *points, const json_t *value, const char *pointer,
                          uint32_t most, struct proto_problem *problem);
 
-/* Adds the point that is a member of the document; `pointer`: "/from". */
+/* Adds the point that is a member of the document. `pointer` is the member's JSON Pointer
+ * ("/from"). */
 bool proto_points_decode_member(struct proto_points *points, const json_t *document,
                                 const char *pointer, struct proto_problem *problem);
 
@@ -29,7 +30,7 @@ bool proto_points_decode_member(struct proto_points *points, const json_t *docum
 bool proto_points_parse(struct proto_points *points, const char *text, const char *parameter,
                         uint32_t most, struct proto_problem *problem);
 
-struct proto_located_points {   /* all zero: empty */
+struct proto_located_points {   /* all zero means empty */
     const struct gd_mesh *mesh; /* borrowed */
     struct gd_point *points;
     /* distances by which points were moved; NAN if not moved; in the same allocation as the

@@ -57,7 +57,7 @@ static json_t *without_naming(const json_t *value)
     return bare;
 }
 
-/* The kinds of members. Each kind has an array, and every element of the array becomes one more
+/* The kinds of members. A request has an array for each kind; each item of the array becomes a
  * member of the set. */
 struct kind {
     const char *name;

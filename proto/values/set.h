@@ -1,5 +1,6 @@
 /* Set: the set to which distances are measured. Its members are points, curves and boundaries,
- * numbered in this order. Each has an offset, which is added to distances from it, and a label. */
+ * numbered in this order. Each member has a label, and an offset that is added to the distances
+ * from the member. */
 #ifndef PROTO_SET_H
 #define PROTO_SET_H
 
@@ -39,11 +40,11 @@ struct proto_set {
 bool proto_set_decode(const json_t *value, const char *pointer, struct proto_set *out,
                       struct proto_problem *problem);
 
-/* Decodes the object's member of that name, a curve, as the only member of the set. */
+/* Decodes a curve, the object's value with the key `member`, as the only member of the set. */
 bool proto_set_decode_curve(const json_t *object, const char *member, struct proto_set *out,
                             struct proto_problem *problem);
 
-/* Makes a set of one point. Problem: insufficient_memory. */
+/* Creates a set that consists of one point. Problem: insufficient_memory. */
 bool proto_set_of_point(const struct proto_point *point, struct proto_set *out,
                         struct proto_problem *problem);
 void proto_set_free(struct proto_set *set); /* may be called repeatedly */
@@ -66,11 +67,11 @@ struct proto_located_set {
     size_t bytes;      /* bytes of the whole allocation */
 };
 
-/* Locates the members on the mesh: points by proto_point_locate, curves by gd_curve_resolve, whose
- * time and memory are limited by `control` (NULL: no limits). Landmarks are not used, because they
+/* Locates the members on the mesh: points by proto_point_locate, curves by gd_curve_resolve.
+ * `control` limits time and memory; NULL means no limits. Landmarks are not used, because they
  * would change the rounding errors of a curve. Equal sets must have equal seeds, so that they share
- * a field. On failure `*out` is untouched and the problem filled in. Errors: GD_INVALID_ARGUMENT (a
- * point or a curve), and those of gd_curve_resolve. */
+ * a field. On failure `*out` is untouched and the problem is filled in. Errors: GD_INVALID_ARGUMENT
+ * (a faulty point or curve), and those of gd_curve_resolve. */
 GD_MUST_USE enum gd_status proto_set_locate(const struct gd_mesh *mesh, const struct proto_set *set,
                                             const struct gd_control *control,
                                             struct proto_located_set **out,

@@ -56,8 +56,8 @@ static enum gd_status resolve_curves(struct locating *locating)
     return status;
 }
 
-/* Counts the boundaries selected by "all". Fails if they are too many or, without another member,
- * none. */
+/* Counts the boundaries selected by "all". Fails if there are too many, or if there are none and
+ * the set has no other member. */
 static enum gd_status count_boundaries(struct locating *locating)
 {
     const struct proto_set *set = locating->set;

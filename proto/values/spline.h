@@ -15,7 +15,7 @@
 
 #define PROTO_SPLINE_PLACES 100000
 
-/* All zero: no spline. */
+/* All zero means no spline. */
 struct proto_spline {
     char place[PROTO_KEPT_PLACE]; /* its place in the request */
     struct proto_points points;
@@ -23,7 +23,7 @@ struct proto_spline {
     double alpha, tension;
     enum gd_tangent_rule tangent_rule;
     enum gd_end_rule end_rule;
-    struct proto_segment *tangents; /* owned, one for each point; NULL: none given */
+    struct proto_segment *tangents; /* owned, one for each point; NULL if not given */
     bool *is_given;                 /* part of the tangents' allocation */
     struct gd_spline_sampling sampling;
     struct proto_reals parameters; /* parameters that the sampling uses */
@@ -38,7 +38,7 @@ bool proto_spline_curve_decode(const json_t *value, const char *place, struct pr
                                struct proto_problem *problem);
 void proto_spline_free(struct proto_spline *spline); /* may be called repeatedly */
 
-/* A spline on its mesh, all zero: none. */
+/* A spline on its mesh. All zero means none. */
 struct proto_located_spline {
     /* its pointers point into the memory below; it has no landmarks */
     struct gd_spline_request request;

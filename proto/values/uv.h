@@ -5,7 +5,7 @@
 #include "gd/parametric.h"
 #include "proto/json/object.h"
 
-struct proto_uvs { /* all zero: empty */
+struct proto_uvs { /* all zero means empty */
     double (*items)[2];
     uint32_t count;
 };

@@ -89,7 +89,7 @@ static bool exists(const json_t *value)
     return !json_is_null(value) && !(json_is_null(direction) && json_is_null(length));
 }
 
-/* Returns the segments to use; NULL: use the vector's own direction and length. */
+/* Returns the segments to use, or NULL if the vector's own direction and length are to be used. */
 static const json_t *segments_of(const json_t *value, bool is_straight)
 {
     return is_straight && json_object_get(value, "direction") ? NULL

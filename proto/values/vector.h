@@ -1,5 +1,5 @@
-/* Vector: tangent vectors in requests and answers, and the requests of exp, log and transport.
- * If a vector has segments, exp traces them. transport and combine use the vector's own direction
+/* Vector: tangent vectors in requests and answers, and the requests of exp, log and transport. If a
+ * vector has segments, `exp` traces them. `transport` and `combine` use the vector's own direction
  * and length. */
 #ifndef PROTO_VECTOR_H
 #define PROTO_VECTOR_H
@@ -38,7 +38,7 @@ struct proto_exp {
 
 struct proto_log {
     struct proto_point from;
-    struct proto_points to; /* the targets; empty: all vertices */
+    struct proto_points to; /* the targets; empty means all vertices */
     bool first_vector_only;
 };
 
