@@ -79,10 +79,10 @@ void gdc_client_set_progress(struct gdc_client *client, gdc_progress progress, v
 struct gdc_request {
     /* "POST", "/v1/meshes/bunny/trace?geometry=xyz"; the path is URL-encoded */
     const char *method, *path;
-    const void *body; /* NULL: the request has no body */
+    const void *body; /* NULL if the request has no body */
     size_t body_size;
-    const char *content_type; /* NULL: application/json */
-    const char *accept;       /* NULL: application/json */
+    const char *content_type; /* NULL means application/json */
+    const char *accept;       /* NULL means application/json */
     /* nonzero if each request creates something new, such as POST /v1/batches; the client then does
      * not repeat the request if the connection fails after it was opened */
     int once;
@@ -143,14 +143,14 @@ char *gdc_point_json(const struct gdc_point *point);
 
 /* Creates or replaces the mesh with this name from the bytes of a file (OBJ, PLY, STL, OFF, JSON,
  * glTF or 3MF). Errors: those of gdc_call; GDC_PROBLEM has the code invalid_mesh if the mesh is not
- * a surface. */
+ * a valid surface. */
 enum gdc_status gdc_upload(struct gdc_client *client, const char *mesh, const void *bytes,
                            size_t size, struct gdc_problem *problem);
-/* Like gdc_upload, with repair=split, which separates the mesh where it is not manifold, such as at
+/* Like gdc_upload, but with repair=split: separates the mesh where it is not manifold, such as at
  * an edge with three faces. */
 enum gdc_status gdc_upload_split(struct gdc_client *client, const char *mesh, const void *bytes,
                                  size_t size, struct gdc_problem *problem);
-/* Like gdc_upload, with URL-encoded parameters of the contract, such as "repair=split" or
+/* Like gdc_upload, but also sends URL-encoded parameters of the contract, such as "repair=split" or
  * "fill=1000&simplify=50000". */
 struct gdc_file {
     const void *bytes; /* borrowed */
@@ -177,8 +177,8 @@ enum gdc_status gdc_split(struct gdc_client *client, const char *mesh, const cha
 enum gdc_status gdc_preview(struct gdc_client *client, const char *mesh, unsigned faces,
                             struct gdc_answer *answer, struct gdc_problem *problem);
 
-/* Like gdc_upload, from arrays. `vertices` has rows of three coordinates; `faces` has rows of three
- * vertex indices, which begin at 0. Both are borrowed. */
+/* Like gdc_upload, but the mesh is given as arrays. `vertices` has rows of three coordinates;
+ * `faces` has rows of three vertex indices, which begin at 0. Both are borrowed. */
 struct gdc_arrays {
     const double *vertices;
     size_t vertex_count;
@@ -193,13 +193,13 @@ enum gdc_status gdc_upload_arrays(struct gdc_client *client, const char *mesh,
  * page unchanged. */
 struct gdc_page {
     char *json;     /* the caller frees the last text with gdc_free */
-    char next[128]; /* the place where the next page begins; "" after the last page */
+    char next[128]; /* the position at which the next page begins; "" after the last page */
 };
 /* Reads a page of the meshes whose names begin with `prefix` (NULL means all): {"meshes":
  * [...]}. */
 enum gdc_status gdc_list(struct gdc_client *client, const char *prefix, struct gdc_page *page,
                          struct gdc_problem *problem);
-/* Like gdc_upload, from the file at `path`. Errors: those of gdc_upload, GDC_FILE. */
+/* Like gdc_upload, but reads the file at `path`. Errors: those of gdc_upload, GDC_FILE. */
 enum gdc_status gdc_upload_file(struct gdc_client *client, const char *mesh, const char *path,
                                 struct gdc_problem *problem);
 enum gdc_status gdc_delete(struct gdc_client *client, const char *mesh,

@@ -70,7 +70,7 @@ export function toPoint(point) {
 }
 
 /* Converts points to a list. An array of floating-point type has rows of three coordinates; any
- * other list has one point in each element. */
+ * other list has one point in each item. */
 export function toPoints(points) {
   if (!(points instanceof Float64Array || points instanceof Float32Array)) return Array.from(points, toPoint);
   return Array.from({ length: points.length / 3 }, (_, i) => ({ xyz: [...points.subarray(3 * i, 3 * i + 3)] }));
@@ -513,8 +513,8 @@ export class Client {
     this.headers = key ? { Authorization: `Bearer ${key}` } : {};
   }
 
-  /* Returns whether the daemon runs but refuses the page's origin. Only a running daemon answers a
-   * request without CORS. */
+  /* Returns whether the daemon runs but refuses the page's origin. If it runs, a request without
+   * CORS succeeds. */
   async #refusesOrigin() {
     const origin = globalThis.location?.origin;
     if (!origin || origin === new URL(this.url, globalThis.location.href).origin) return false;

@@ -4,7 +4,7 @@
 #     build.sh install PLACE    installs the packages that the pages contain, and esbuild, from
 #                               package-lock.json into PLACE/node_modules
 #     build.sh bundle PLACE     writes the pages into PLACE/pages
-#     build.sh check PLACE      checks types only; first installs the compiler and types
+#     build.sh check PLACE      checks only types; first installs the compiler and declarations
 #
 # Commands for the same PLACE wait for each other. `install` links the sources into PLACE, beside
 # node_modules, so that their imports resolve and error messages name the files of the checkout.

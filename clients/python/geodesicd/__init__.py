@@ -6,7 +6,7 @@ numpy arrays if numpy is installed.
     client = geodesicd.Client()                          # http://127.0.0.1:8080
     bunny = client.upload("bunny", "bunny.obj")
     bunny.distance(12, 9000)                             # between two vertices
-    bunny.path("v:12", (0.01, 0.12, 0.03)).points        # to the point nearest to a place in space
+    bunny.path("v:12", (0.01, 0.12, 0.03)).points        # to the surface point nearest to (x, y, z)
     bunny.field([0, 100]).values()                       # a distance per vertex
     bunny.query("trace", {"start": {"vertex": 12}, "fan": 8, "length": 0.05})["paths"]
 """

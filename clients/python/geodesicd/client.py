@@ -132,16 +132,16 @@ class Field(Resource):
         return [result["distance"] for result in results]
 
     def evaluate(self, at: Points, path: bool = False, gradient: bool = False) -> List[answers.Result]:
-        """Returns for each point the distance and the nearest element of the set. With `path` and
-        `gradient`, also returns the path to this element and the gradient."""
+        """Returns for each point the distance and the nearest member of the set. With `path` and
+        `gradient`, also returns the path to this member and the gradient."""
         body = {"points": points.all_as_json(at), "path": path, "gradient": gradient}
         return cast(List[answers.Result], self.query("evaluate", body)["results"])
 
     def isolines(self, levels: Union[Sequence[float], float, None] = None, tolerance: Optional[float] = None, count: Optional[int] = None,
                  geometry: Optional[str] = None) -> List[answers.Isoline]:
         """Returns the lines of each level, or of `count` equally spaced levels. Within faces the
-        daemon approximates the curves to `tolerance`, by default to its own tolerance. `geometry`:
-        "full", "xyz" or "none"."""
+        daemon approximates the curves to `tolerance`, by default to its own tolerance. `geometry`
+        is "full", "xyz" or "none"."""
         return cast(List[answers.Isoline], self.query("isolines", self._levels(levels, tolerance, count), geometry=geometry)["isolines"])
 
     def isoline_arrays(self, levels: Union[Sequence[float], float, None] = None, tolerance: Optional[float] = None,
@@ -240,7 +240,7 @@ class Mesh(Surface):
         return Field(self, self.query("fields", body, progress=progress))
 
     def distance_to_set(self, sources: Any, at: Points, path: bool = False) -> List[answers.Result]:
-        """Returns for each point the nearest element of a set and the distance from this element.
+        """Returns for each point the nearest member of a set and the distance from this member.
         With `path`, also returns the path."""
         body = {"set": point_set(sources), "points": points.all_as_json(at), "path": path}
         return cast(List[answers.Result], self.query("distance-to-set", body)["results"])

@@ -61,7 +61,8 @@ class TooLarge(ProblemError):
 
 
 class InvalidMesh(ProblemError):
-    """invalid_mesh: the upload is not a surface; `reason` and `elements` say why and where."""
+    """invalid_mesh: the upload is not a valid surface; `reason` and `elements` say why and
+    where."""
 
 
 class PointNotOnSurface(ProblemError):

@@ -78,8 +78,8 @@ def as_json(point: PointLike) -> Dict[str, Any]:
 
 def listed(values: Any) -> Any:
     """Converts a numpy array to a list, a numpy mask to the list of its true indices, and a flat
-    array.array of floats with more than three elements to a list of rows of three. Returns other
-    values unchanged."""
+    array.array of more than three floats to a list of rows of three. Returns other values
+    unchanged."""
     if getattr(values, "dtype", None) == bool and values.ndim == 1:
         values = values.nonzero()[0]
     if isinstance(values, array.array) and values.typecode in "fd" and len(values) > 3:

@@ -58,7 +58,7 @@ class Transport:
             raise ValueError(f"{url!r} is not an address of a daemon; write http://HOST:PORT, https://HOST:PORT or unix:PATH")
         self._context = context
         is_near = self._parts.scheme == "unix" or LOOPBACK.fullmatch(self._parts.hostname or "") is not None
-        # within a machine, compression takes longer than the transfer saves
+        # on one machine, compressing takes longer than sending the uncompressed bytes
         self._headers = {"Accept-Encoding": "identity" if is_near else "gzip", "User-Agent": "geodesicd-python"}
         if key:
             self._headers["Authorization"] = f"Bearer {key}"
@@ -139,8 +139,8 @@ class Transport:
         return self._open()
 
     def _open(self) -> http.client.HTTPConnection:
-        """Opens a new connection. Unlike a connection of the pool, a new connection cannot have
-        been closed by the daemon because it was idle."""
+        """Opens a new connection. The daemon may have closed an idle connection of the pool, but
+        not a new one."""
         connection = self._connect()
         connection.connect()
         if self._parts.scheme != "unix":

@@ -375,8 +375,8 @@ export class App {
   }
 
   /**
-   * Sets the points that the mode begins with: the points of the previous mode. If they
-   * are too few, points at fixed places of the picture are added (`startPlace`).
+   * Sets the points that the mode begins with: the points of the previous mode. If they are too
+   * few, points at fixed positions of the picture are added (`startPlace`).
    */
   private setFirstPoints(before: Place[]): void {
     let next = before.length;

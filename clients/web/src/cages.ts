@@ -57,8 +57,8 @@ function parseJson(text: string): Polygons {
 }
 
 /**
- * Returns the edges of the control mesh whose file has this SHA-256, in the file's unit; an empty
- * list if the page does not know it.
+ * Returns the edges of the control mesh whose file has this SHA-256, in the file's unit. Returns an
+ * empty list if the page does not know this control mesh.
  */
 export async function cageEdges(hash: string): Promise<Vec3[][]> {
   if (known.size === 0)

@@ -1,6 +1,6 @@
-// Colour maps for values, and colours for the elements of a set. The hues of elements differ as
-// much as possible. Maps that are not from d3, and element colours, are computed in OKLab (Ottosson
-// 2020), where equal steps look equal.
+// Colour maps for values, and colours for the members of a set. The hues of members differ as much
+// as possible. Maps that are not from d3, and the colours of members, are computed in OKLab
+// (Ottosson 2020), where equal steps look equal.
 
 import { interpolateTurbo, interpolateViridis } from "d3-scale-chromatic";
 
@@ -102,7 +102,7 @@ export function rampBytes({ name, isReversed }: Ramp, size: number): Uint8Array<
 
 const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
 
-/** Returns the colour of element i of a set. All elements have different hues. */
+/** Returns the colour of member i of a set. All members have different hues. */
 export function memberColour(i: number, lightness = 0.72): Rgb {
   const hue = 0.6 + i * GOLDEN_ANGLE;
   const light = lightness - 0.06 * (Math.floor(i / 8) % 3);

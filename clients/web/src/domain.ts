@@ -16,7 +16,7 @@ function element(tag: string, attributes: Record<string, string | number>): SVGE
 
 /**
  * Returns the shifts along an axis that bring each part of a line into the domain, in multiples of
- * the domain's length. `parts`: coordinates of the line's points, 0 to 1 in the domain.
+ * the domain's length. `parts` are coordinates of the line's points, from 0 to 1 within the domain.
  */
 function shifts({ closed }: Axis, parts: number[]): number[] {
   if (!closed) return [0];

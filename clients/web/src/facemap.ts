@@ -90,7 +90,7 @@ export class FaceMap {
   private readonly quad: FullScreenQuad;
   private isFresh = false;
 
-  /** Borrows the skin. `saved`: the saved drawing, which has the pixels beside the surface. */
+  /** Borrows the skin. `saved` is the saved drawing, which has the pixels beside the surface. */
   constructor(
     private readonly skin: Skin,
     saved: Saved,

@@ -1,4 +1,4 @@
-// The legend: a colour map with numbers, or the elements of a set by name.
+// The legend: a colour map with numbers, or the members of a set by name.
 
 import { type ColourMap, rampBytes } from "./colours.ts";
 import { byId, make } from "./dom.ts";

@@ -49,7 +49,7 @@ export interface Load {
   onPart: (part: number) => void;
 }
 
-/** `headers`: conditions on the version of the mesh. */
+/** `headers` are conditions on the version of the mesh. */
 async function contentOf(
   api: Api,
   name: string,

@@ -23,7 +23,7 @@ export class PointList {
     byId("points").addEventListener("toggle", () => this.show());
   }
 
-  /** Shows the points. Leaves the rows unchanged while one has the focus: the user types. */
+  /** Shows the points. Leaves the rows unchanged while the user types in one of them. */
   private show(): void {
     if (!byId<HTMLDetailsElement>("points").open || this.body.contains(document.activeElement))
       return;

@@ -81,7 +81,7 @@ export class NurbsMode extends Mode {
     });
   }
 
-  /** Returns points of a parameter line in the domain. Axis 0: u is constant. */
+  /** Returns points of a parameter line in the domain. On axis 0, u is constant. */
   private line(axis: 0 | 1, part: number): Uv[] {
     const { u, v } = this.nurbs.domain;
     const at = ([low, high]: [number, number], t: number): number => low + t * (high - low);
