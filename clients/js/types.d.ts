@@ -283,7 +283,7 @@ export type BatchSpline = {
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
-  /** `de_casteljau` only with `samples` and `at`, and without `speed`. */
+  /** `de_casteljau` is allowed only with `samples` or `at`, and without `speed`. */
   evaluation?: ("halving" | "de_casteljau");
   /** A tangent for each point, per unit of the parameter; `null` selects the rule. */
   tangents?: ({
@@ -989,7 +989,7 @@ export type PicturePointsLayer = {
   points: (Point | LimitPlace | Place)[];
   /** Texts beside the points, in their order; an empty text draws nothing. */
   labels?: PictureLabel[];
-  /** In units, as `width`. */
+  /** In the unit of `width`. */
   radius?: number;
   color?: PictureColor;
   hidden?: PictureHidden;
@@ -1265,7 +1265,7 @@ export type SplineCurve = {
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
-  /** `de_casteljau` only with `samples` and `at`, and without `speed`. */
+  /** `de_casteljau` is allowed only with `samples` or `at`, and without `speed`. */
   evaluation?: ("halving" | "de_casteljau");
   /**
    * A tangent for each point, per unit of the parameter; `null` selects the rule. The vectors of
@@ -1297,7 +1297,7 @@ export type SplineRequest = {
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
-  /** `de_casteljau` only with `samples` and `at`, and without `speed`. */
+  /** `de_casteljau` is allowed only with `samples` or `at`, and without `speed`. */
   evaluation?: ("halving" | "de_casteljau");
   /** A tangent for each point, per unit of the parameter; `null` selects the rule. */
   tangents?: ({
@@ -1946,8 +1946,8 @@ export type NurbsSurface = {
   knotsU: SurfaceKnots;
   knotsV: SurfaceKnots;
   /**
-   * Row i belongs to step i in the direction u, element j of a row to step j in the direction v.
-   * All elements are [x, y, z], or all are [x, y, z, weight]. At most 4096 x 4096.
+   * Row i belongs to step i in the direction u, and item j of a row to step j in the direction v.
+   * All items are [x, y, z], or all are [x, y, z, weight]. At most 4096 x 4096.
    */
   controlPoints: Array<Array<number[]>>;
   /** Positive numbers, one for each control point. All are 1 by default. */
@@ -2174,8 +2174,8 @@ export type AllMinima = boolean;
 
 /**
  * With `all_minima`, the search covers the homotopy classes whose winding numbers in the closed
- * directions are at most this number. With 0, it covers only the classes of the candidates that
- * distances on the tessellation give.
+ * directions are at most this number. With 0, it covers only the classes of the candidates from the
+ * tessellation.
  */
 export type TurnLimit = number;
 
@@ -2412,7 +2412,7 @@ export interface MeshQueries {
     body: MatrixRequest;
     answer: MatrixAnswer;
   };
-  /** Distances of many pairs of points */
+  /** Get the distances of many pairs of points */
   "pairs": {
     body: PairsRequest;
     answer: PairsAnswer;
@@ -2521,7 +2521,7 @@ export interface SubdivisionQueries {
     body: LimitTraceRequest;
     answer: LimitTraceAnswer;
   };
-  /** Build a level of the surface ahead */
+  /** Build a level of the surface in advance */
   "levels": {
     body: LevelRequest;
     answer: LevelAnswer;
