@@ -283,7 +283,7 @@ export type BatchSpline = {
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
-  /** `de_casteljau` is allowed only with `samples` or `at`, and without `speed`. */
+  /** `de_casteljau` needs `samples` or `at`, and no constant `speed`. */
   evaluation?: ("halving" | "de_casteljau");
   /** A tangent for each point, per unit of the parameter; `null` selects the rule. */
   tangents?: ({
@@ -292,7 +292,7 @@ export type BatchSpline = {
   } | null)[];
   /** Samples per segment, at most 100,000 in total. */
   samples?: number;
-  /** Only with `samples`. */
+  /** Allowed only with `samples`. */
   speed?: ("parameter" | "constant");
   tolerance?: number;
   spacing?: number;
@@ -1265,7 +1265,7 @@ export type SplineCurve = {
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
-  /** `de_casteljau` is allowed only with `samples` or `at`, and without `speed`. */
+  /** `de_casteljau` needs `samples` or `at`, and no constant `speed`. */
   evaluation?: ("halving" | "de_casteljau");
   /**
    * A tangent for each point, per unit of the parameter; `null` selects the rule. The vectors of
@@ -1280,7 +1280,7 @@ export type SplineCurve = {
   } | null)[];
   /** Samples per segment, at most 100,000 in total. */
   samples?: number;
-  /** Only with `samples`. */
+  /** Allowed only with `samples`. */
   speed?: ("parameter" | "constant");
   tolerance?: number;
   spacing?: number;
@@ -1297,7 +1297,7 @@ export type SplineRequest = {
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
-  /** `de_casteljau` is allowed only with `samples` or `at`, and without `speed`. */
+  /** `de_casteljau` needs `samples` or `at`, and no constant `speed`. */
   evaluation?: ("halving" | "de_casteljau");
   /** A tangent for each point, per unit of the parameter; `null` selects the rule. */
   tangents?: ({
@@ -1306,7 +1306,7 @@ export type SplineRequest = {
   } | null)[];
   /** Samples per segment, at most 100,000 in total. */
   samples?: number;
-  /** Only with `samples`. */
+  /** Allowed only with `samples`. */
   speed?: ("parameter" | "constant");
   tolerance?: number;
   spacing?: number;

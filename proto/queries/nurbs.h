@@ -23,7 +23,7 @@ struct proto_nurbs_form {
     const char *shape; /* static: "nurbs", or the name of a known shape */
     /* static; this and the following members are only set for NURBS */
     const char *convention;
-    uint32_t degree[2], count[2]; /* in u, v; count: control points */
+    uint32_t degree[2], count[2]; /* in u, v; `count` of control points */
     bool is_rational;             /* true if the weights differ */
 };
 

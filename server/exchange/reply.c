@@ -402,7 +402,7 @@ void server_exchange_job_run(struct server_job *job)
     struct server_exchange *exchange = server_exchange_of(job);
     if (exchange->transport->begin) exchange->transport->begin(exchange);
     do {
-        if (!exchange->work(exchange)) return; /* parked: another thread may own the exchange now */
+        if (!exchange->work(exchange)) return; /* once it is parked, another thread may own it */
     } while (!exchange->response.status);
     exchange_finish(exchange);
 }

@@ -64,7 +64,7 @@
 enum phase { PHASE_HEAD, PHASE_BODY, PHASE_PARKED, PHASE_ANSWERED };
 
 struct client {
-    struct server_transport transport; /* first: a pointer to it also points to the client */
+    struct server_transport transport; /* must be the first member */
     struct server_exchange exchange;
     const struct server_http *http;
     struct MHD_Connection *connection;

@@ -33,9 +33,9 @@ extern const char *const server_batch_queue_tables[];
 
 struct server_batch {
     char id[SERVER_BATCH_ID];
-    int64_t items, created; /* created: seconds since 1970 */
+    int64_t items, created; /* `created` in seconds since 1970 */
     bool is_cancelled;
-    int64_t done, failed; /* done: items with an answer; failed: items whose answer is a problem */
+    int64_t done, failed; /* items with an answer; among them, items whose answer is a problem */
 };
 
 /* A new batch; all borrowed. */

@@ -130,7 +130,7 @@ static void resource_forget(struct server_catalogue *catalogue, uint32_t at)
 }
 
 struct usage {              /* The resources of a key. */
-    uint32_t count, oldest; /* oldest: index of the least recently used resource */
+    uint32_t count, oldest; /* `oldest` is the index of the least recently used one */
     size_t bytes;
 };
 

@@ -126,7 +126,7 @@ struct server_record *server_registry_hottest(struct server_registry *registry);
 void server_registry_note_uses(struct server_registry *registry);
 
 struct server_registry_statistics {
-    uint64_t surfaces, loaded, loads, unloads, damaged; /* damaged: files in quarantine */
+    uint64_t surfaces, loaded, loads, unloads, damaged; /* `damaged` files are in quarantine */
 };
 struct server_registry_statistics server_registry_statistics(struct server_registry *registry);
 

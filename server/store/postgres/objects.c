@@ -97,7 +97,7 @@ enum server_outcome server_pg_read_object(struct server_pg *pg, const struct ser
 enum server_outcome server_pg_check_chunk(struct server_pg *pg, const struct server_object *object,
                                           uint64_t number, size_t *size)
 {
-    struct server_sql_integers found = {0}; /* first: 1 if the chunk is sound; second: its size */
+    struct server_sql_integers found = {0}; /* 1 if the chunk is sound, and its size */
     enum server_outcome outcome = server_pg_run(
         pg,
         SERVER_SQL("SELECT (encode(sha256(bytes), 'hex') = digest)::int::bigint,"
