@@ -1,9 +1,12 @@
 /* Server: creates and connects the daemon's objects, starts and stops them.
  *
- * Shutdown: drain delay (for drain_delay_ms /readyz answers 503, answers close their connections,
- * and everything else continues) -> draining (no new connections) -> at the drain deadline workers
- * are cancelled -> every deferred exchange has finished -> HTTP stops -> the use counts of surfaces
- * and the cached fields are stored, within ten seconds -> the server's objects are destroyed. */
+ * Shutdown:
+ * - Drain delay: for drain_delay_ms, /readyz answers 503 and answers close their connections.
+ *   Everything else continues.
+ * - Draining: no new connections are accepted. At the drain deadline the workers are cancelled.
+ * - When every deferred exchange has finished, HTTP stops.
+ * - The use counts of surfaces and the cached fields are stored, within ten seconds.
+ * - The server's objects are destroyed. */
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 

@@ -37,8 +37,8 @@ bool proto_isolines_settle(struct proto_isolines *isolines,
                            const struct proto_field_description *field,
                            struct proto_problem *problem);
 
-/* Returns the tolerance of the request or, if it is 0, 1/2000 of the diagonal of the mesh's
- * bounding box: half a pixel in a picture of 1,000 pixels. */
+/* Returns the tolerance of the request. If it is 0, returns 1/2000 of the diagonal of the mesh's
+ * bounding box, which is half a pixel in a picture of 1,000 pixels. */
 double proto_isolines_tolerance(double tolerance, const struct gd_mesh *mesh);
 
 /* Writes an arc. Its angles are measured like directions in its face (gd/direction.h), its start in

@@ -44,7 +44,7 @@ void server_log_text(struct server_log_line *line, const char *key, const char *
 void server_log_integer(struct server_log_line *line, const char *key, int64_t value);
 void server_log_milliseconds(struct server_log_line *line, const char *key, uint64_t nanoseconds);
 
-/* End the line: the thread writes it at once (end) or within 10 ms (end_soon). */
+/* End the line. The thread writes it at once, or within 10 ms after server_log_end_soon. */
 void server_log_end(struct server_log_line *line);
 void server_log_end_soon(struct server_log_line *line);
 

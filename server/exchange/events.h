@@ -10,7 +10,7 @@
  * DESIGN. A source is read only when its client can receive more. So slow clients miss intermediate
  * events, and no queue grows. A reader without data is paused until the source changes, a heartbeat
  * is due, or its client has hung up. One mutex guards the list of streams. The mutex is held while
- * pause, resume and sources are called, so a source's lock is acquired after the mutex. */
+ * `pause`, `resume` and sources are called, so a source's lock is acquired after the mutex. */
 #ifndef SERVER_EXCHANGE_EVENTS_H
 #define SERVER_EXCHANGE_EVENTS_H
 

@@ -98,7 +98,7 @@ void server_cache_note(struct server_mesh_cache *fields, const struct gd_point *
 
 enum server_cache_turn {
     SERVER_CACHE_SEARCH, /* no field: the point is queried too rarely, or memory is short */
-    SERVER_CACHE_BUILD,  /* the caller must end `*build` by publish, fail or abandon */
+    SERVER_CACHE_BUILD,  /* the caller must end `*build` by one of the three functions below */
     SERVER_CACHE_WAIT,   /* `job` is parked until the build ends or its deadline passes */
     SERVER_CACHE_AGAIN   /* the field exists by now */
 };
@@ -119,11 +119,11 @@ enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
  * disconnected. */
 bool server_cache_is_awaited(struct server_pending_build *build);
 
-/* publish and fail end and free a build, and resume the parked jobs. publish takes over the field's
- * reference and gd_field_memsize bytes of SERVER_BUDGET_FLIGHT, and returns the field pinned. If
- * out of memory, it releases the field and returns NULL. After fail with GD_DEADLINE or
- * GD_CANCELLED a parked job may become the builder. server_cache_claim returns any other error for
- * one second. */
+/* Both functions end and free a build, and resume the parked jobs. server_cache_publish takes over
+ * the field's reference and gd_field_memsize bytes of SERVER_BUDGET_FLIGHT, and returns the field
+ * pinned. If out of memory, it releases the field and returns NULL. After server_cache_fail with
+ * GD_DEADLINE or GD_CANCELLED a parked job may become the builder. server_cache_claim returns any
+ * other error for one second. */
 const struct server_cached *server_cache_publish(struct server_pending_build *build,
                                                  struct gd_field *field);
 void server_cache_fail(struct server_pending_build *build, enum gd_status status);

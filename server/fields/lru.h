@@ -38,8 +38,8 @@ struct server_lru { /* the owner sets the first members */
     atomic_uint pressures;                /* number of times that memory was short */
 };
 
-/* begin registers the list as a reclaimer of the budget. end unregisters it; all places must be
- * empty before. */
+/* server_lru_begin registers the list as a reclaimer of the budget. server_lru_end unregisters it;
+ * all places must be empty before. */
 void server_lru_begin(struct server_lru *lru);
 void server_lru_end(struct server_lru *lru);
 
@@ -48,10 +48,10 @@ void server_lru_end(struct server_lru *lru);
 void server_lru_adopt(struct server_lru *lru, struct server_lru_item *item, size_t bytes);
 void server_lru_release(struct server_lru_item *item); /* NULL is allowed */
 
-/* Call these functions under the lock. put moves the caller's reference to an empty place. get
- * counts a use and returns a new reference of the item. take empties the place and returns its
- * reference, which the caller releases without the lock. get and take return NULL if the place is
- * empty. */
+/* Call these functions under the lock. server_lru_put moves the caller's reference to an empty
+ * place. server_lru_get counts a use and returns a new reference of the item. server_lru_take
+ * empties the place and returns its reference, which the caller releases without the lock. The last
+ * two return NULL if the place is empty. */
 void server_lru_put(struct server_lru_item **place, struct server_lru_item *item);
 struct server_lru_item *server_lru_get(struct server_lru_item **place);
 struct server_lru_item *server_lru_take(struct server_lru_item **place);

@@ -85,7 +85,8 @@ enum server_outcome server_batch_queue_answers(struct server_store_sql *sql,
                                                const struct server_batch_place *place,
                                                server_sql_visit *visit, void *user);
 
-/* cancel ends a batch: no more of its items are claimed. remove deletes the batch. */
+/* server_batch_queue_cancel ends a batch: no more of its items are claimed.
+ * server_batch_queue_remove deletes the batch. */
 enum server_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id);
 enum server_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id);
 
@@ -94,10 +95,10 @@ struct server_batch_claim {
     int64_t item, attempts;
 };
 
-/* Claims the next item for the daemon `node`. Tenants take turns: the function chooses the next
- * tenant after `after`, in cyclic order, that has an unclaimed item, and claims an item of this
- * tenant's oldest batch. `after` is the tenant of the item that was claimed last. Returns ABSENT if
- * there is no item at the moment. */
+/* Claims the next item for the daemon `node`. The function chooses the first tenant after `after`,
+ * in cyclic order, that has an unclaimed item. It claims an item of this tenant's oldest batch.
+ * `after` is the tenant of the item that was claimed last. Returns ABSENT if there is no item at
+ * the moment. */
 enum server_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
                                              const char *after, struct server_batch_claim *out);
 

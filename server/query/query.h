@@ -1,22 +1,23 @@
 /* Query: a question about a surface. Single requests and lines of a batch run the same steps.
  *
  * DESIGN. A kind of query is a table of steps. A kind's own struct begins with a struct
- * server_query. The struct is initialised with zeros. try_inline and solve return a *turn*, which
- * names the next action. The steps, in their order:
- * - decode or parse reads the question and locates its points.
- * - try_inline runs once, perhaps on an HTTP thread. It answers if the answer takes only
- *   microseconds. A kind whose decoding does all the work needs no try_inline and no solve.
- * - solve runs on a worker. It runs again after the turn AGAIN. After PARKED it runs again when the
- *   exchange is resumed.
- * - encode, bytes, write or reply writes the answer when the turn is DONE. If a kind has none of
- *   them, solve has already written the answer to the *draft*, a text that grows from step to step.
- * - release frees the members of the kind's own struct. It is called after the last step, also when
- *   a step fails.
+ * server_query. The struct is initialised with zeros. `try_inline` and `solve` return a *turn*,
+ * which names the next action. The steps, in their order:
+ * - `decode` or `parse` reads the question and locates its points.
+ * - `try_inline` runs once, perhaps on an HTTP thread. It answers if the answer takes only
+ *   microseconds. A kind whose decoding does all the work needs no `try_inline` and no `solve`.
+ * - `solve` runs on a worker. It runs again after the turn AGAIN. After PARKED it runs again when
+ *   the exchange is resumed.
+ * - `encode`, `bytes`, `write` or `reply` writes the answer when the turn is DONE. If a kind has
+ *   none of them, `solve` has already written the answer to the *draft*, a text that grows from
+ *   step to step.
+ * - `release` frees the members of the kind's own struct. It is called after the last step, also
+ *   when a step fails.
  *
  * A kind with the step `answer` is answered from the field of a set. Its decoding ends with a
  * server_field_query_of_… function, which names the set. field_query.c finds the field in the
  * cache, builds it, or waits for another request that builds it. Then `answer` runs. Such a kind
- * needs no try_inline, join and solve.
+ * needs no `try_inline`, `join` and `solve`.
  *
  * A query belongs to the thread that has its exchange. After PARKED the caller must not use the
  * query or the exchange. */

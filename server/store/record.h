@@ -96,8 +96,8 @@ struct server_origin {
 struct server_record *server_record_create(const struct server_origin *origin);
 
 /* Count the record as SERVER_BUDGET_RECORDS until it is freed. Call one of the two functions once,
- * before the record is shared. take returns false if the budget is exhausted; count may exceed the
- * limit. */
+ * before the record is shared. server_record_take returns false if the budget is exhausted;
+ * server_record_count may exceed the limit. */
 bool server_record_take(struct server_record *record, struct server_budget *budget);
 void server_record_count(struct server_record *record, struct server_budget *budget);
 

@@ -1,16 +1,16 @@
 /* Store: stores surfaces so that they outlive the process. This is the interface of a back-end:
- * memory.c stores nothing, local/ uses SQLite and files in a folder, postgres/ a PostgreSQL
+ * memory.c stores nothing, local/ uses SQLite and files in a folder, postgres/ uses a PostgreSQL
  * database that many daemons share. The registry is responsible for the order of changes, for
  * conditional requests and for loaded surfaces.
  *
  * A shared store gives each change of a surface a version; versions grow in the order of the
  * changes. The registry passes the last version that it has seen. If the surface has another
- * version, the outcome is STALE: the registry calls follow and decides again.
+ * version, the outcome is STALE: the registry calls `follow` and decides again.
  *
- * Threads. One thread at a time, with the registry's writer lock, calls stage, put, keep, remove,
- * tidy and note_uses. One thread at a time, with the follower's lock, calls each and follow. One
- * thread calls await. Any thread calls fetch, verify, damaged and health. The first call must be
- * `each`. */
+ * Threads. One thread at a time, with the registry's writer lock, calls `stage`, `put`, `keep`,
+ * `remove`, `tidy` and `note_uses`. One thread at a time, with the follower's lock, calls `each`
+ * and `follow`. One thread calls `await`. Any thread calls `fetch`, `verify`, `damaged` and
+ * `health`. The first call must be `each`. */
 #ifndef SERVER_STORE_STORE_H
 #define SERVER_STORE_STORE_H
 
@@ -56,10 +56,10 @@ struct server_store {
     /* Visits all surfaces, in any order. For a shared store this function is called again after
        follow has returned STALE. Returns DONE, UNAVAILABLE or NO_MEMORY. */
     enum server_outcome (*each)(struct server_store *store, server_stored_visit *visit, void *user);
-    /* Writes the objects, or verifies existing ones. The caller calls put or keep next. */
+    /* Writes the objects, or verifies existing ones. The caller calls `put` or `keep` next. */
     enum server_outcome (*stage)(struct server_store *store, const struct server_record *record,
                                  const struct server_content *content);
-    /* Stores or replaces a surface. The change is durable when put returns DONE. If `content` is
+    /* Stores or replaces a surface. The change is durable when `put` returns DONE. If `content` is
        NULL, only the record changes, to another record of the same upload (record.h). On entry
        `*version` is the known version of the key, or 0 for none. On return it is the new
        version. */
@@ -69,10 +69,10 @@ struct server_store {
     enum server_outcome (*keep)(struct server_store *store, const struct server_record *record,
                                 const struct server_content *content);
     /* Removes a surface. The change is durable when remove returns DONE. `*version` is used as by
-       put. */
+       `put`. */
     enum server_outcome (*remove)(struct server_store *store, const struct server_record *record,
                                   uint64_t *version);
-    /* Deletes objects that are unused since the last put or remove. Called when the registry no
+    /* Deletes objects that are unused since the last `put` or `remove`. Called when the registry no
        longer lists the surface that used them. */
     void (*tidy)(struct server_store *store);
     /* Reads and verifies an object, and returns its bytes in memory from malloc. Errors: DAMAGED,
@@ -80,9 +80,9 @@ struct server_store {
     enum server_outcome (*fetch)(struct server_store *store, const struct server_object *object,
                                  void **bytes);
     /* Verifies an object piece by piece, which needs little memory. DAMAGED: the object is now in
-       quarantine, and fetch refuses it without reading. REFUSED: the system can't read the object.
-       UNAVAILABLE: the call was ended early, the object was rewritten meanwhile, or memory is
-       short. Also returns ABSENT. */
+       quarantine, and `fetch` refuses it without reading. REFUSED: the system can't read the
+       object. UNAVAILABLE: the call was ended early, the object was rewritten meanwhile, or memory
+       is short. Also returns ABSENT. */
     enum server_outcome (*verify)(struct server_store *store, const struct server_object *object,
                                   server_pace *pace, void *user);
     /* Returns the number of objects in quarantine. */

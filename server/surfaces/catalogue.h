@@ -73,8 +73,8 @@ enum server_catalogue_finding {
 enum server_catalogue_finding server_catalogue_find(struct server_catalogue *catalogue,
                                                     const char *id, struct server_resource **out);
 
-/* Adds a resource of a key ("" if there are no keys) and returns true. If its id already exists,
- * releases the resource, sets `*resource` to the existing resource, retained, and returns false. */
+/* Adds a resource of a key ("" if there are no keys) and returns true. If the id already exists,
+ * releases the resource, retains the existing one as `*resource`, and returns false. */
 bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
                           struct server_resource **resource);
 

@@ -43,12 +43,13 @@ void server_registry_watch(struct server_registry *registry,
                            void (*gone)(void *user, const struct server_record *record),
                            void *user);
 
-/* put and remove wait for the disk. put stores a surface under its record's key, durably, with its
- * attachment and the file from which it was made (`bytes`, borrowed). Returns CREATED or REPLACED.
- * If the key already has this record, put keeps the surface in memory, repairs damaged stored
- * bytes, and returns REPLACED. If the precondition is NULL, put does nothing else: it returns
+/* Both functions wait for the disk. server_registry_put durably stores a surface under its record's
+ * key, with its attachment and the file from which it was made (`bytes`, borrowed). Returns CREATED
+ * or REPLACED. If the key already has this record, it keeps the surface in memory, repairs damaged
+ * stored bytes, and returns REPLACED. If the precondition is NULL, it does only this, and returns
  * ABSENT if the key has another record or no record. Errors: PRECONDITION, NO_MEMORY, FULL,
- * REFUSED, READ_ONLY, UNAVAILABLE. remove returns DONE, ABSENT or one of these errors. */
+ * REFUSED, READ_ONLY, UNAVAILABLE. server_registry_remove returns DONE, ABSENT or one of these
+ * errors. */
 enum server_outcome server_registry_put(struct server_registry *registry,
                                         struct server_surface *surface, const void *bytes,
                                         const struct server_precondition *precondition);
@@ -57,7 +58,7 @@ enum server_outcome server_registry_remove(struct server_registry *registry,
                                            const struct server_precondition *precondition);
 
 /* Changes the caption of that surface durably. Its cached fields remain. Returns DONE, ABSENT or an
- * error of put. */
+ * error of server_registry_put. */
 enum server_outcome server_registry_caption(struct server_registry *registry,
                                             const struct server_key *key, const char *caption,
                                             const struct server_precondition *precondition);
@@ -112,7 +113,7 @@ enum server_outcome server_registry_follow(struct server_registry *registry, uin
 bool server_registry_is_current(struct server_registry *registry,
                                 const struct server_record *record);
 
-/* Returns the registry's store, for fetch and verify (store.h). */
+/* Returns the registry's store, for `fetch` and `verify` (store.h). */
 struct server_store *server_registry_store(const struct server_registry *registry);
 
 /* Stores a loaded surface in its slot, unless the key has another record or another surface. */

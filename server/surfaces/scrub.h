@@ -13,8 +13,8 @@ struct server_workers;
 
 /* Starts the thread. The first round begins after a minute, or after `period_s` if that is sooner.
  * Each later round begins `period_s` after the start of the preceding round. `rate` is the number
- * of bytes a second. The registry's store must have verify. Borrows its arguments. Returns NULL if
- * there is no memory or no thread. */
+ * of bytes a second. The registry's store must have `verify`. Borrows its arguments. Returns NULL
+ * if there is no memory or no thread. */
 struct server_scrub *server_scrub_create(struct server_registry *registry,
                                          struct server_workers *workers, uint64_t period_s,
                                          uint64_t rate);

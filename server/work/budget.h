@@ -7,8 +7,8 @@
  * DESIGN. The budget has one atomic total, and one atomic count for each class. A call of
  * server_budget_take that would exceed the limit calls the reclaimers in the order of
  * server_reclaim_turn until enough is free. The order begins with the data that is cheapest to
- * compute again. Reclaimers take their own locks, so a caller of take must not hold a lock.
- * server_budget_give calls no other part of the daemon. All functions are thread-safe. */
+ * compute again. Reclaimers take their own locks, so a caller of server_budget_take must not hold a
+ * lock. server_budget_give calls no other part of the daemon. All functions are thread-safe. */
 #ifndef SERVER_WORK_BUDGET_H
 #define SERVER_WORK_BUDGET_H
 

@@ -98,7 +98,8 @@ enum server_record_reading server_files_read_manifest(const struct server_files 
                                                       const char *key, struct server_record **out,
                                                       char sha256[SERVER_SHA256_HEX]);
 
-/* Writes the record's manifest, and keeps the old one until settle or undo is called. */
+/* Writes the record's manifest, and keeps the old one until one of the next two functions is
+ * called. */
 enum server_outcome server_files_write_manifest(struct server_files *files,
                                                 const struct server_record *record);
 void server_files_settle_manifest(const struct server_files *files);

@@ -43,7 +43,8 @@ enum server_outcome server_pg_pool_take(struct server_pg_pool *pool, struct serv
 /* Returns a connection to the pool. Closes the connection if it is lost. */
 void server_pg_pool_give(struct server_pg_pool *pool, struct server_pg *pg);
 
-/* is_away returns true if the last connect failed and has_answered was not called since. */
+/* server_pg_pool_is_away returns true if the last connect failed and server_pg_pool_has_answered
+ * was not called since. */
 bool server_pg_pool_is_away(struct server_pg_pool *pool);
 void server_pg_pool_has_answered(struct server_pg_pool *pool);
 
