@@ -61,7 +61,7 @@ static bool match(const struct proto_route *route, const struct split_path *path
 
 /* --- the method ------------------------------------------------------------------------------- */
 
-/* In the order of the Allow header. */
+/* The methods in the order of the Allow header. */
 static const struct {
     const char *name;
     enum proto_method method;

@@ -11,7 +11,7 @@
 
 /* Written by proto_service_encode (generated/answers.h). */
 struct proto_service {
-    const char *version; /* of the program */
+    const char *version; /* version of the program */
     struct {
         uint64_t max_body_bytes, max_faces, timeout_ms, memory_budget_bytes, max_answer_bytes,
             workers;

@@ -21,7 +21,7 @@ struct proto_curve_result {
     uint32_t rounds;
     bool is_geodesic;
     struct gd_path *paths; /* path_count items */
-    bool *is_closed;       /* for each path */
+    bool *is_closed;       /* one for each path */
     uint32_t path_count;
 };
 

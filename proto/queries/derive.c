@@ -14,7 +14,7 @@ struct operation {
     void (*write)(struct proto_writer *writer, const struct gd_edit_step *step);
 };
 
-/* In the order of enum gd_subdivide_scheme. */
+/* Names of the schemes, in the order of enum gd_subdivide_scheme. */
 static const char *const subdivide_schemes[] = {"midpoint", "loop", "sqrt3", NULL};
 
 static bool simplify_read(const struct proto_object *object, struct gd_edit_step *out)

@@ -13,7 +13,7 @@ struct proto_located_curve {
     const struct proto_curve *curve;    /* borrowed */
     struct gd_curve_request request;    /* used unless the curve is a spline */
     struct proto_located_points points; /* the points of a curve of points */
-    struct proto_located_spline spline; /* of a spline */
+    struct proto_located_spline spline; /* the spline, if the curve is one */
 };
 
 /* Locates each point by proto_point_locate; gd_curve_resolve later checks vertices and boundary.

@@ -131,7 +131,7 @@ enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options
 
 /* --- format of a download --------------------------------------------------------------------- */
 
-/* In order of preference among formats of equal quality. */
+/* The formats of a download. Among formats of equal quality, the first one is chosen. */
 static const enum gd_format content_formats[] = {GD_FORMAT_OBJ, GD_FORMAT_PLY, GD_FORMAT_OFF,
                                                  GD_FORMAT_STL, GD_FORMAT_GLB, GD_FORMAT_GLTF};
 #define CONTENT_FORMATS (sizeof content_formats / sizeof content_formats[0])

@@ -69,8 +69,8 @@ enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options
 
 /* Chooses the format of a download. The parameter ?format=obj|ply|off|stl|glb|gltf names it.
  * Without this parameter, chooses the one of these formats that the Accept header (may be NULL)
- * prefers. In a tie chooses OBJ. Rejects any other parameter. Problems: invalid_request,
- * not_acceptable. */
+ * prefers. In a tie, chooses the first one of this list. Rejects any other parameter. Problems:
+ * invalid_request, not_acceptable. */
 bool proto_mesh_content_format(const struct proto_parameters *parameters, const char *accept,
                                enum gd_format *out, struct proto_problem *problem);
 

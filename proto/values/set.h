@@ -59,7 +59,7 @@ struct proto_located_set {
     /* true if the seeds include segments, which come from members other than points */
     bool has_segments;
     const struct gd_seed *seeds; /* member by member */
-    const uint32_t *members;     /* for each seed: its member */
+    const uint32_t *members;     /* the member of each seed */
     /* for each member: offset of its label in `labels`, or UINT32_MAX if there is none */
     const uint32_t *label_offsets;
     const char *labels;

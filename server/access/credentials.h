@@ -48,7 +48,7 @@ struct server_quota {
     atomic_uint_least64_t entered;     /* running requests */
     atomic_uint_least64_t full_ns;     /* time at which the bucket is full again */
     atomic_uint_least64_t requests;    /* since the start, including refused requests */
-    atomic_uint_least64_t refusals[3]; /* by enum server_quota_outcome */
+    atomic_uint_least64_t refusals[3]; /* refused requests, by enum server_quota_outcome */
     atomic_uint_least64_t forbidden;   /* requests refused because of the role */
 };
 

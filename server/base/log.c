@@ -134,7 +134,8 @@ struct text {
     char bytes[GATHERED_MOST];
 };
 
-/* Not members of `output`, because its initial value would then add them to the program's file. */
+/* These buffers are not members of `output`, because its initial value would then add them to the
+ * program's file. */
 static struct text texts[2];
 
 static struct {

@@ -49,7 +49,7 @@ struct server_config {
     uint64_t landmarks;             /* number of landmarks of a mesh; 0 means none */
     uint64_t max_body, max_answer;  /* bytes */
     uint64_t max_faces;             /* triangles */
-    uint64_t timeout_ms;            /* of a request */
+    uint64_t timeout_ms;            /* limit of a request */
     uint64_t drain_ms;              /* time for running requests at a shutdown */
     /* time before a shutdown begins to drain; /readyz already answers 503 */
     uint64_t drain_delay_ms;

@@ -47,7 +47,7 @@ const char *server_etag_caption(char out[SERVER_ETAG_CAPTION], const char *text)
 enum server_etag_form { SERVER_ETAG_NONE, SERVER_ETAG_PLAIN, SERVER_ETAG_PACKED };
 
 /* Writes the tag of the representation in the form `form` ("json": lower case letters and digits).
- * With a NULL form, writes the resource's own tag `etag`. Here and below, tags are written without
+ * If `form` is NULL, writes the resource's own tag `etag`. Here and below, tags are written without
  * quotes. */
 void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char *form);
 

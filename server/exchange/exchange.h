@@ -203,7 +203,7 @@ struct server_exchange {
      * initialized, because clearing all would take longer than the rest of a short request. */
     struct proto_parameter parameter_list[SERVER_EXCHANGE_PARAMETERS];
     struct server_request_header headers[SERVER_EXCHANGE_HEADERS];
-    char name[PROTO_MESH_NAME + 1]; /* of server_request_key */
+    char name[PROTO_MESH_NAME + 1]; /* name in the key of server_request_key */
 };
 
 /* --- for the transport (http.c) and the router ------------------------------------------------ */
@@ -242,9 +242,9 @@ const char *server_exchange_read_head(struct server_exchange *exchange, const ch
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
                                                const struct server_transport *transport);
 
-/* For transports without a connection. server_exchange_run dispatches the exchange. The transport's
- * `finish` is called at the end, possibly before server_exchange_run returns.
- * server_exchange_is_unwanted is the `is_gone` of such a transport. */
+/* These functions are for transports without a connection. server_exchange_run dispatches the
+ * exchange. The transport's `finish` is called at the end, possibly before server_exchange_run
+ * returns. server_exchange_is_unwanted is the `is_gone` of such a transport. */
 void server_exchange_run(struct server_exchange *exchange);
 bool server_exchange_is_unwanted(struct server_exchange *exchange);
 

@@ -45,7 +45,7 @@ struct server_pending_build {
 };
 
 struct failure {
-    struct field_key key; /* without seeds */
+    struct field_key key; /* the key without its seeds */
     uint64_t until_ns;
     enum gd_status status;
 };

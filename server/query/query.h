@@ -55,7 +55,7 @@ struct server_form {
 };
 
 struct server_answer_file {
-    char *bytes; /* by malloc */
+    char *bytes; /* allocated by malloc */
     size_t size;
 };
 
@@ -69,7 +69,7 @@ struct server_field_query {
     /* true if an answer from a cached field takes microseconds */
     bool is_quick;
     struct proto_set pending;           /* set to be located */
-    double max_distance;                /* of `pending` */
+    double max_distance;                /* limit of the field of `pending` */
     struct proto_located_set *own_set;  /* `set`, or NULL */
     struct server_resource *resource;   /* a reference to the owner of `set`, or NULL */
     const struct server_cached *pin;    /* the field if it was found but not yet used, or NULL */
@@ -107,7 +107,7 @@ struct server_query {
 };
 
 struct server_query_kind {
-    const char *name; /* as in the path, and in a batch */
+    const char *name; /* name in the path, and in a batch */
     size_t size;      /* bytes of the kind's own struct */
     const void *own;  /* the constants of a kind that shares steps with other kinds, or NULL */
     const struct server_form *forms; /* the answer's own forms, or NULL */
@@ -135,7 +135,7 @@ struct server_query_kind {
     enum server_query_turn (*answer)(struct server_query *query, const struct gd_field *field,
                                      struct server_monitor *part);
     void (*encode)(const struct server_query *query, struct proto_writer *writer);
-    void (*reply)(struct server_query *query); /* for answers in a form other than JSON */
+    void (*reply)(struct server_query *query); /* writes an answer in a form other than JSON */
     /* form in the entity tag of such an answer, such as "png" */
     const char *reply_form;
     bool has_bytes; /* true if application/octet-stream selects the first array without a head */

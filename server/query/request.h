@@ -15,8 +15,8 @@ const struct server_kind *server_request_kind(const struct server_exchange *exch
  * exchange. If the name is invalid, replies with a problem and returns false. */
 bool server_request_key(struct server_exchange *exchange, struct server_key *key);
 
-/* For operations without parameters. If the request has parameters, replies with a problem and
- * returns false. */
+/* Called by operations without parameters. If the request has parameters, replies with a problem
+ * and returns false. */
 bool server_request_is_plain(struct server_exchange *exchange);
 
 /* Reads the seconds that the request may wait. Returns false after replying with a problem. */

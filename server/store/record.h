@@ -84,7 +84,7 @@ struct server_record {
 /* The input of server_record_create; all strings are borrowed. */
 struct server_origin {
     struct server_key key;
-    const char *sha256; /* of the file */
+    const char *sha256; /* SHA-256 of the file */
     size_t size;
     const char *options;           /* written by the kind's read_options */
     const char *attachment_sha256; /* NULL means that there is none */

@@ -115,14 +115,13 @@ struct server_store *server_store_local_open(const char *folder, char error[SERV
  * refuses, or has tables of a later version. */
 struct server_store *server_store_postgres_open(const char *url, char error[SERVER_ERROR]);
 
-/* For the sandbox. Visits each port that the address of a database lists. If it lists none, visits
+/* Visits, for the sandbox, each port that the address of a database lists. If it lists none, visits
  * those of the environment, or else 5432. `visit` returns false to end the visit. Returns false if
  * the visit was ended or the address is malformed. */
 bool server_postgres_each_port(const char *url, bool (*visit)(void *user, uint16_t port),
                                void *user);
 
-/* For the sandbox. Visits, in the same way, each file that libpq may read: certificates, keys,
- * passwords. */
+/* Visits, for the sandbox, each file that libpq may read: certificates, keys, passwords. */
 bool server_postgres_each_file(const char *url, void (*visit)(void *user, const char *file),
                                void *user);
 

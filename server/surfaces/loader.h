@@ -40,8 +40,8 @@ enum server_loader_outcome {
     SERVER_LOADER_FAILED
 };
 
-/* Fetches, verifies, builds and registers a surface for a job. With `job` NULL there is no deadline
- * and no wait. */
+/* Fetches, verifies, builds and registers a surface for a job. If `job` is NULL, there is no
+ * deadline and no wait. */
 enum server_loader_outcome server_loader_load(struct server_loader *loader,
                                               struct server_record *record, struct server_job *job,
                                               struct server_surface **out,

@@ -99,11 +99,11 @@ struct server_builder { /* all borrowed */
 GD_MUST_USE enum gd_status server_build_surface(const struct server_builder *builder,
                                                 struct server_surface **out);
 
-/* For kinds: takes bytes of SERVER_BUDGET_FLIGHT. On failure, returns GD_BUDGET and sets the
+/* Called by kinds. Takes bytes of SERVER_BUDGET_FLIGHT. On failure, returns GD_BUDGET and sets the
  * problem. */
 GD_MUST_USE enum gd_status server_build_take(const struct server_builder *builder, size_t bytes);
 
-/* For kinds: sets the problem of an engine status, and returns this status. `detail` may be
+/* Called by kinds. Sets the problem of an engine status, and returns this status. `detail` may be
  * NULL. */
 enum gd_status server_build_refuse(const struct server_builder *builder, enum gd_status status,
                                    const struct gd_detail *detail);

@@ -6,7 +6,7 @@ import type { Mark, Points } from "./points.ts";
 import type { Pixel, Scene } from "./scene.ts";
 
 const STEP = 4; /* pixels by which an arrow key moves a point */
-const LARGE_STEP = 24; /* with Shift */
+const LARGE_STEP = 24; /* the same with Shift */
 const STRIDES = 32; /* steps of the search for the outline */
 const ARROWS: Record<string, Pixel> = {
   ArrowLeft: { x: -1, y: 0 },

@@ -58,7 +58,7 @@ struct matrix_query {
 struct matrix_row {
     struct matrix_query *matrix;
     const struct gd_point *point;
-    double *distances; /* for each column */
+    double *distances; /* one for each column */
     struct server_monitor monitor;
 };
 

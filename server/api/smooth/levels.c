@@ -12,7 +12,7 @@
 struct level {
     struct server_query query; /* must be the first member */
     struct proto_limit_level wanted;
-    size_t bytes; /* of all discretizations that the request names */
+    size_t bytes; /* bytes of all discretizations that the request names */
     struct gd_detail detail;
 };
 

@@ -9,7 +9,7 @@
 struct server_picture_layers {                                     /* all zero means none */
     const struct proto_picture_layer_list *wanted;                 /* borrowed */
     struct server_picture_surface *surface;                        /* borrowed */
-    struct server_query *parts[PROTO_PICTURE_REQUEST_LAYERS_MOST]; /* of each layer, or NULL */
+    struct server_query *parts[PROTO_PICTURE_REQUEST_LAYERS_MOST]; /* one for each layer, or NULL */
     /* for each layer of the kind `points` on a mesh: its located points */
     struct proto_located_points located[PROTO_PICTURE_REQUEST_LAYERS_MOST];
     /* for each layer of the kind `curve` on a NURBS surface: its curve */
@@ -17,7 +17,7 @@ struct server_picture_layers {                                     /* all zero m
     bool has_set;    /* the figure's query names the set of a field */
     uint32_t next;   /* first part to solve */
     bool is_begun;   /* true if try_inline of that part was called */
-    uint64_t points; /* of all layers so far */
+    uint64_t points; /* number of points of all layers so far */
     struct gd_picture_layer drawn[GD_PICTURE_LAYERS];
     uint32_t count;
 };

@@ -17,7 +17,7 @@ struct piece {
 };
 
 struct pieces {
-    struct gd_polygons polygons;        /* of all pieces, piece after piece */
+    struct gd_polygons polygons;        /* polygons of all pieces, piece after piece */
     const uint32_t *vertices, *corners; /* index where each piece begins, and the total number */
     uint32_t count;
 };

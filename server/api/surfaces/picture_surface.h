@@ -10,13 +10,13 @@
 
 struct server_picture_surface {                   /* all zero at first */
     const struct gd_mesh *mesh;                   /* the stored mesh, or that of a member below */
-    struct server_discretization *discretization; /* of a subdivision surface */
-    struct gd_tessellation *tessellation;         /* of a NURBS surface */
-    struct gd_mesh *pieces;                       /* of a cut */
+    struct server_discretization *discretization; /* for a subdivision surface */
+    struct gd_tessellation *tessellation;         /* for a NURBS surface */
+    struct gd_mesh *pieces;                       /* for a cut */
     /* seeds of the field of a smooth surface; at most one list has items */
     struct proto_uvs uvs;
     struct proto_limit_places places;
-    double max_distance; /* of that field; 0 means no limit */
+    double max_distance; /* limit of that field; 0 means none */
     struct gd_field *field;
 };
 
