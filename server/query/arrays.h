@@ -47,7 +47,7 @@ struct server_arrays { /* all zero means empty */
     uint32_t count;
 };
 
-/* Adds an array whose rows are contiguous. */
+/* Adds an array, of which only the struct is copied. */
 void server_arrays_add(struct server_arrays *arrays, const struct server_array *array);
 
 /* Like server_arrays_add, but the array is given as contiguous numbers or indices, which are

@@ -316,8 +316,8 @@ static const struct server_form *form_at(const struct server_query_kind *kind, u
     return form < arrays ? &kind->forms[form - SERVER_FORM_FIRST] : &array_forms[form - arrays];
 }
 
-/* Chooses the form by ?format= if that is given, otherwise by Accept. In a tie, chooses the first
- * form (JSON). */
+/* Chooses the form by ?format= if that is given, otherwise by Accept. In a tie, chooses the form
+ * that comes first. JSON precedes all others. */
 static bool form_choose(const struct server_query_kind *kind, struct server_exchange *exchange,
                         unsigned *out, struct proto_problem *problem)
 {

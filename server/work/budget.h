@@ -35,6 +35,7 @@ enum server_budget_class {
     SERVER_BUDGET_CLASSES
 };
 
+/* The order in which reclaimers are called. */
 enum server_reclaim_turn {
     SERVER_RECLAIM_WORKSPACES,
     SERVER_RECLAIM_LANDMARKS,

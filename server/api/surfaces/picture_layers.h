@@ -13,8 +13,8 @@
 bool server_picture_layers_decode(struct server_picture_layers *layers, struct server_query *query,
                                   const json_t *document);
 
-/* Solves the parts. They are the fraction `share` of the query's work. After DONE all layers are
- * listed in `drawn`. */
+/* Solves the parts. Their work is the fraction `share` of the query's work. After DONE all layers
+ * are listed in `drawn`. */
 enum server_query_turn server_picture_layers_solve(struct server_picture_layers *layers,
                                                    struct server_query *query, double share);
 void server_picture_layers_free(struct server_picture_layers *layers);
