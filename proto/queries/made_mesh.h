@@ -1,5 +1,5 @@
-/* Made mesh: a mesh that approximates a smooth surface (a discretization of a subdivision surface,
- * or a tessellation of a parametric surface), and the surface points of its vertices. */
+/* Made mesh: the requests that make a mesh from a smooth surface: a discretization of a subdivision
+ * surface, or a tessellation of a parametric surface. */
 #ifndef PROTO_MADE_MESH_H
 #define PROTO_MADE_MESH_H
 

@@ -446,9 +446,9 @@ static struct server_pending_build *pending_find(const struct server_mesh_cache 
     return build;
 }
 
-/* Under the lock. Returns AGAIN if the field exists. Returns WAIT if this field is being built.
- * Otherwise returns BUILD if `may_build` and memory suffices,
- * else SEARCH. After a cancel of the workers returns SEARCH instead of WAIT. */
+/* Called under the lock. Returns AGAIN if the field exists. Returns WAIT if this field is being
+ * built. Otherwise returns BUILD if `may_build` is true and memory suffices, else SEARCH. After a
+ * cancel of the workers returns SEARCH instead of WAIT. */
 static enum server_cache_turn build_claim(struct server_mesh_cache *fields,
                                           const struct field_key *key, struct server_job *job,
                                           bool may_build, struct server_pending_build **out)

@@ -103,7 +103,7 @@ static size_t type_bytes(enum server_array_type type)
     return type == SERVER_ARRAY_NUMBERS ? sizeof(double) : sizeof(uint32_t);
 }
 
-/* Copies rows of an array that is not to be read as floats. */
+/* Copies rows of an array of doubles or indices. */
 static void rows_copy(const struct server_array *array, uint64_t first, uint64_t count, void *out)
 {
     size_t row = (array->columns ? array->columns : 1) * type_bytes(array->type),

@@ -75,10 +75,10 @@ struct server_derived_meshes {        /* all zero at first */
 
 void server_derived_meshes_free(struct server_derived_meshes *meshes); /* accepts all zero */
 
-/* Builds a mesh to be stored under that name of the exchange's tenant. Borrows the polygons. Owns
- * the bytes of the attachment (may be NULL), even when it fails. Returns false with the problem in
- * these cases: the name is invalid or repeated, the polygons are not a mesh or are too large, there
- * are more than SERVER_DERIVED_MESHES_MOST meshes, or memory is short. */
+/* Builds a mesh to be stored under that name of the exchange's tenant. Borrows the polygons. Takes
+ * over the bytes of the attachment (may be NULL), even when it fails. Returns false with the
+ * problem in these cases: the name is invalid or repeated, the polygons are not a mesh or are too
+ * large, there are more than SERVER_DERIVED_MESHES_MOST meshes, or memory is short. */
 bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char *name,
                                const struct gd_polygons *polygons,
                                const struct server_attachment *attachment,

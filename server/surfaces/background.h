@@ -47,8 +47,8 @@ struct server_background { /* the owner sets the first members */
     struct server_background_slot *building;
 };
 
-/* Starts the thread of a background that calloc has allocated, perhaps within a larger struct.
- * Returns the background; or, if there is no thread, frees it and returns NULL. */
+/* Starts the thread. `background` was allocated by calloc, perhaps at the beginning of a larger
+ * struct. Returns it. If there is no thread, frees it and returns NULL. */
 struct server_background *server_background_start(struct server_background *background);
 
 /* Stops the thread, after the last request. NULL is allowed, also in the next two functions. */

@@ -16,7 +16,7 @@
 #define FRESH_NS      UINT64_C(1000000000) /* see server/doc/014 */
 #define AWAIT_NS      UINT64_C(200000000)
 
-/* The place of one surface. */
+/* The registry's entry for one surface. */
 struct slot {
     struct server_listed now; /* record and surface; the surface is NULL if it is not in memory */
     atomic_uint_least64_t uses;

@@ -40,7 +40,7 @@ struct format {
     uint32_t numbers;  /* number of numbers of a vertex */
     void (*read)(const void *item, double *out);
     const char *maker, *noun;
-    /* members of the answer: the surface, and the numbers of all vertices */
+    /* names of members of the answer: the surface, and the numbers of all vertices */
     const char *surface, *member;
 };
 
