@@ -55,7 +55,7 @@ def segments(path):
 
 
 def values(node, place="#"):
-    """Yields (place, value) of every value in the document."""
+    """Yields (JSON Pointer, value) of every value in the document."""
     yield place, node
     pairs = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
     for key, value in pairs:

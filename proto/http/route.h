@@ -5,7 +5,7 @@
  * server_handle_<name>, where <name> is the operation's x-handler or else its operationId. Queries
  * about meshes share the handler server_handle_query; their kind is server_query_<name>, which the
  * GET and POST forms of a query share. Rows with a literal segment precede rows that capture the
- * segment in that place. */
+ * same segment. */
 #ifndef PROTO_ROUTE_H
 #define PROTO_ROUTE_H
 

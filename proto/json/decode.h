@@ -52,8 +52,8 @@ json_t *proto_decode_document_within(const void *bytes, size_t size,
                                      const struct gd_control *control,
                                      struct proto_problem *problem);
 
-/* Writes the place of a member or an element of the value at `place`, truncated at the size of its
- * buffer. */
+/* Writes the JSON Pointer of a member, or of an array's item, of the value at `place`. Truncates it
+ * at the size of its buffer. */
 #define PROTO_PLACE PROTO_PROBLEM_POINTER
 void proto_place_of_member(char out[PROTO_PLACE], const char *place, const char *member);
 void proto_place_of_element(char out[PROTO_PLACE], const char *place, size_t index);

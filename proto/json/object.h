@@ -29,7 +29,7 @@ struct proto_rule {
     const char *const *words; /* allowed words, NULL-terminated */
 };
 
-/* Bytes of the place of a value that a request keeps; a longer one is truncated. */
+/* Bytes of the place of a value that a request keeps. A longer place is truncated. */
 #define PROTO_KEPT_PLACE 64
 void proto_place_keep(char out[PROTO_KEPT_PLACE], const char *place);
 

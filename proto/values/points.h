@@ -26,7 +26,7 @@ bool proto_points_decode_member(struct proto_points *points, const json_t *docum
                                 const char *pointer, struct proto_problem *problem);
 
 /* Adds points from compact text, separated by semicolons: "v:12;e:3-9:0.25". `parameter` is the
- * place of all. */
+ * place of all points. */
 bool proto_points_parse(struct proto_points *points, const char *text, const char *parameter,
                         uint32_t most, struct proto_problem *problem);
 

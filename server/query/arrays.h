@@ -115,7 +115,7 @@ bool server_arrays_read(const void *bytes, size_t size, const char *const *known
 /* Returns the array of that name, or NULL. */
 const struct server_array *server_arrays_find(const struct server_arrays *arrays, const char *name);
 
-/* Return one element; numbers may be of either type. */
+/* Return one number or index. Numbers may be doubles or floats. */
 double server_array_number(const struct server_array *array, uint64_t index);
 uint32_t server_array_index(const struct server_array *array, uint64_t index);
 

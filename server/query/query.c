@@ -478,8 +478,8 @@ static void query_reply(struct server_query *query)
         query_reply_form(query);
 }
 
-/* Processes a turn. Returns false if another thread has the exchange. After AGAIN the worker calls
- * the step again. */
+/* Processes the turn that a step has returned. Returns false if another thread has the exchange.
+ * After AGAIN the worker calls the step again. */
 static bool query_take_turn(struct server_query *query, enum server_query_turn turn)
 {
     if (turn == SERVER_QUERY_DONE) query_reply(query);
