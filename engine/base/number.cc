@@ -1,5 +1,5 @@
 /* C has no bounded, locale-free, correctly rounded conversion. C++17's <charconv> has one. It reads
- * five times as fast as strtod, but it takes three times as long to write numbers as format.cc. */
+ * five times as fast as strtod, but it takes three times as long as format.cc to write numbers. */
 #include "gd/number.h"
 
 #include <charconv>

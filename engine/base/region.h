@@ -26,7 +26,8 @@ struct gd__region {
 };
 
 /* Opens a region. The struct is all zero, or a region that was open before; the memory of that
- * region is reused. GD_NO_MEMORY: not even a few megabytes of address space are available. */
+ * region is reused. Error: GD_NO_MEMORY (not even a few megabytes of address space are
+ * available). */
 GD_MUST_USE enum gd_status gd__region_open(struct gd__region *region, size_t most,
                                            struct gd__budget *budget);
 

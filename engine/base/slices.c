@@ -15,7 +15,7 @@ struct slices {
     void *context;
 };
 
-/* Progress of the other threads. They may not call the caller's function. */
+/* Receives the progress of the other threads, which must not call the caller's function. */
 static bool slices_go_on(void *user, double fraction)
 {
     const struct slices *slices = user;

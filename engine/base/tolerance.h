@@ -1,5 +1,5 @@
-/* The tolerances of the engine, each with its reason. A tolerance of the iterations of `nurbs` or
- * of the checks of `loops` may be a named constant in the only file that uses it. No code of the
+/* The tolerances of the engine, each with its reason. A tolerance that only one file of `nurbs` or
+ * `loops` uses, for an iteration or a check, may be a named constant in this file. No code of the
  * engine compares with a literal epsilon. */
 #ifndef GD_BASE_TOLERANCE_H
 #define GD_BASE_TOLERANCE_H
@@ -41,18 +41,19 @@
  * case. */
 #define GD_TOL_GRAZING 1e-13
 
-/* If a ray passes the apex of its face at a distance of more than this part of the crossed edge's
- * length, rounding is not the reason that the ray misses the apex. */
+/* If a ray passes the apex of its face at more than this distance, relative to the length of the
+ * crossed edge, rounding is not the reason that the ray misses the apex. */
 #define GD_TOL_BESIDE_APEX 1e-2
 
 /* Exception to GD_TOL_GRAZING: a source that is nearer to the edge itself than this part of the
  * edge's length sees the edge at all angles. */
 #define GD_TOL_BESIDE 1e-6
 
-/* A point is beside a vertex if it is nearer to it than this part of the least altitude of the
- * vertex' faces. Outside the vertex' fan (the faces around the vertex) the point sees the same
- * places as the vertex. Its rays leave the fan's edges near the vertex. From farther away the ends
- * of windows, which are rounded by 2e-16 of their edges, determine angles to 1e-13 (doc 002). */
+/* A point is beside a vertex if its distance from the vertex is less than this part of the least
+ * altitude of the vertex' faces. Outside the vertex' fan (the faces around the vertex), the point
+ * sees the same part of the surface as the vertex. Its rays leave the fan's edges near the vertex.
+ * If the point is farther away, the ends of its windows, which are rounded by 2e-16 of their edges,
+ * determine angles to 1e-13 (doc 002). */
 #define GD_TOL_BESIDE_VERTEX 1e-2
 
 /* The quadratic equation a u^2 - 2 b u + e = 0 of a bisector (window/contest.c). DISCRIMINANT:
@@ -208,9 +209,9 @@
 #define GD_TOL_LOCATE 1.8e-15
 
 /* Bounds that prune a search are changed to the safe side by this part of the bound, and by this
- * part of the coordinates. The rounding error of the bounds is smaller. But the distance of a path
- * across faces as flat as GD_TOL_FLAT may have an error of about 1e-10, and a path that is pruned
- * by mistake cannot be replaced by another one. */
+ * part of the coordinates. The rounding error of the bounds is smaller. But across faces as flat as
+ * GD_TOL_FLAT, a distance may have an error of about 1e-10. A path that is pruned by mistake cannot
+ * be replaced by another one. */
 #define GD_TOL_BOUND 1e-8
 
 /* Rounding error of a distance that is stored as a float, or of a difference of two such distances,
@@ -413,10 +414,11 @@
  * is used as the distance. It avoids a division by zero, and is far below GD_TOL_RING. */
 #define GD_TOL_RING_NEAR 1e-9
 
-/* If two segments of a curve turn by a smaller angle at their joint, the joint counts as straight.
- * The sector between the windows of the two segments then has at most this angle. A path into the
- * sector that bends at an end of these windows is longer than the shortest path only by the square
- * of the angle. A point this near to the line across a joint also belongs to the joint. */
+/* If a curve turns by less than this angle, in radians, at the joint of two segments, the joint
+ * counts as straight. The sector between the windows of the two segments then has at most this
+ * angle. A path into the sector that bends at an end of these windows is longer than the shortest
+ * path only by the square of the angle. A point this near to the line across a joint also belongs
+ * to the joint. */
 #define GD_TOL_ONWARD 1e-10
 
 /* Rounding of the foot of the joint's perpendicular, relative to the lengths of its face's
