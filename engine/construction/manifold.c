@@ -1,5 +1,5 @@
 /* Checks that each vertex has one fan of faces, open or closed: a walk around the vertex visits all
- * of its corners. If one does not, counts the fans of each vertex. */
+ * of its corners. If a walk misses a corner, counts the fans of each vertex. */
 #include <stdatomic.h>
 #include <stdlib.h>
 

@@ -32,7 +32,8 @@ static void frame_side(const struct gd__triangle *t, uint32_t k, struct gd_side 
     side->right_y = -t->double_area * right_scale;
 }
 
-/* Makes the sides of a face and stores its measures. Each side is written by one face only. */
+/* Computes the sides of a face, and stores the face's measures. Each side is written by one face
+ * only. */
 static struct gd__triangle make_face(struct gd__construction *work, uint32_t face)
 {
     struct gd_mesh *mesh = work->mesh;
