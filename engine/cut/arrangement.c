@@ -52,8 +52,8 @@ static struct gd__segment arrangement_take(struct gd__arrangement *arrangement, 
 
 /* --- segments that pass nodes ----------------------------------------------------------------- */
 
-/* Returns the distance of a place from the segment a-b, or INFINITY if its projection onto the line
- * lies beyond the ends of the segment. */
+/* Returns the distance of a position from the segment a-b, or INFINITY if its projection onto the
+ * line lies beyond the ends of the segment. */
 static double distance_from(struct gd__local a, struct gd__local b, struct gd__local p)
 {
     double dx = b.x - a.x, dy = b.y - a.y, px = p.x - a.x, py = p.y - a.y;

@@ -136,7 +136,7 @@ static uint32_t nearest_side(const struct gd_mesh *mesh, uint32_t face, const do
     return best;
 }
 
-/* Returns the node at the projection of a place onto a side of the face. */
+/* Returns the node at the projection of a position onto a side of the face. */
 static enum gd_status node_on_side(struct gd__nodes *nodes, uint32_t face, uint32_t k,
                                    struct gd__local place, uint32_t *out)
 {
@@ -203,7 +203,7 @@ enum gd_status gd__node_of_point(struct gd__nodes *nodes, const struct gd_point 
     return GD_OK;
 }
 
-/* --- places ----------------------------------------------------------------------------------- */
+/* --- positions -------------------------------------------------------------------------------- */
 
 struct gd_point gd__node_point(const struct gd__nodes *nodes, uint32_t node)
 {

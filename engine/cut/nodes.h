@@ -14,7 +14,7 @@
 struct gd__node {
     struct gd_point point; /* the node's point, on an edge or in a face */
     /* for a node on an edge, u is the parameter along the edge, and v is 0; for a node in a face,
-       the place in the face */
+       the position in the face */
     struct gd__site site;
     uint32_t next; /* the next node of the same edge or face; GD_NONE for the last one */
 };
@@ -42,8 +42,8 @@ GD_MUST_USE enum gd_status gd__cut_extend(struct gd__budget *budget, void *array
 GD_MUST_USE enum gd_status gd__node_of_point(struct gd__nodes *nodes, const struct gd_point *point,
                                              uint32_t *out);
 
-/* Finds or creates the node at a place in a face, given by the barycentric coordinates of corners 1
- * and 2. Errors: those of gd__node_of_point. */
+/* Finds or creates the node at a position in a face, given by the barycentric coordinates of
+ * corners 1 and 2. Errors: those of gd__node_of_point. */
 GD_MUST_USE enum gd_status gd__node_in_face(struct gd__nodes *nodes, uint32_t face, double u,
                                             double v, uint32_t *out);
 
@@ -61,15 +61,15 @@ struct gd_point gd__node_point(const struct gd__nodes *nodes, uint32_t node);
  * for a corner, one on a side, none inside the face. */
 uint32_t gd__node_sides(const struct gd__nodes *nodes, uint32_t face, uint32_t node);
 
-/* Return the place, in a face, of a point or a node of the face. */
+/* Return the position, in a face, of a point or a node of the face. */
 struct gd__site gd__site_of_point(const struct gd_mesh *mesh, uint32_t face,
                                   const struct gd_point *point);
 struct gd__site gd__node_site(const struct gd__nodes *nodes, uint32_t face, uint32_t node);
 
-/* Returns a site's place in the frame of the face's side 0. */
+/* Returns a site's position in the frame of the face's side 0. */
 struct gd__local gd__site_local(const struct gd_mesh *mesh, uint32_t face, struct gd__site site);
 
-/* Returns the reach of a face. Places that are closer than this become the same node. */
+/* Returns the reach of a face. Positions that are closer than this become the same node. */
 double gd__nodes_reach(const struct gd__nodes *nodes, uint32_t face);
 
 /* Iterates over the nodes of a face: its corners, the nodes on its sides, the nodes inside.

@@ -7,8 +7,8 @@
  *     gd__plane_fix(&planar.plane, a, b) for each segment
  *     gd__plane_improve(&planar.plane)
  *
- * The places, in the plane of the face, are used only to choose among possible flips: they maximise
- * the least angles, which avoids flat triangles. */
+ * The positions, in the plane of the face, are used only to choose among possible flips: they
+ * maximise the least angles, which avoids flat triangles. */
 #ifndef GD_CUT_PLANAR_H
 #define GD_CUT_PLANAR_H
 
