@@ -48,11 +48,13 @@ double gd__edit_box_size(const struct gd_mesh *mesh);
 
 /* --- results ---------------------------------------------------------------------------------- */
 
-/* Allocates the arrays for that many vertices and triangles. GD_NO_MEMORY: nothing is allocated. */
+/* Allocates the arrays for that many vertices and triangles. Error: GD_NO_MEMORY (nothing is
+ * allocated). */
 GD_MUST_USE enum gd_status gd__edited_allocate(struct gd_edited *edited, uint32_t vertices,
                                                uint32_t faces);
 
-/* Sets the position and origin of vertex `at` of the result to those of a vertex of the mesh. */
+/* Copies the position of a vertex of the mesh to vertex `at` of the result, and sets its origin to
+ * this vertex. */
 void gd__edited_keep(struct gd_edited *edited, uint32_t at, const struct gd_mesh *mesh,
                      uint32_t vertex);
 

@@ -29,7 +29,7 @@ static bool is_lone_face(const struct gd_mesh *mesh, uint32_t loop)
            mesh->side_face[side ^ 1] == mesh->side_face[gd__edit_side(mesh, side).next ^ 1];
 }
 
-/* Sums over the patches. `vertices` counts all vertices of the patches, and `loops` those of them
+/* Sums over the patches. `vertices` counts all vertices of the patches. `loops` counts only those
  * that are vertices of the mesh. */
 struct patch_sizes {
     uint32_t vertices, loops, faces;
