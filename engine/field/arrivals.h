@@ -5,11 +5,11 @@
 
 #include "field/layout.h"
 
-/* Sets *out to true if a second path arrives from a direction that differs by at least
- * GD_TOL_CUT_ANGLE from the direction of the shortest path, and both paths are equally long at a
- * position near the point. This position is nearer than GD_TOL_CUT times the distance. *out is
- * false at seeds and at points without a path. Errors: GD_NO_MEMORY. O(wedges of the edges of the
- * faces that contain the point). */
+/* Sets *out to true if a second path arrives, under two conditions. The directions of this path and
+ * of the shortest path differ by at least GD_TOL_CUT_ANGLE. Both paths are equally long at a
+ * position that is nearer to the point than GD_TOL_CUT times the distance. *out is false at seeds
+ * and at points without a path. Errors: GD_NO_MEMORY. O(wedges of the edges of the faces that
+ * contain the point). */
 GD_MUST_USE enum gd_status gd__field_is_cut(const struct gd_field *field,
                                             const struct gd_point *point, bool *out);
 

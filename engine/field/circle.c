@@ -145,8 +145,8 @@ static struct gd__turn in_disk(const struct gd__circle *circle, struct gd__local
                            (apart * apart + excess) / (2 * apart * circle->radius));
 }
 
-/* Returns the part where the distance from a linear source is at most the level. Places where this
- * distance is less than the source's `nearest` are excluded. */
+/* Returns the part where the distance from a linear source is at most the level. Positions where
+ * this distance is less than the source's `nearest` are excluded. */
 static struct gd__turn in_band(const struct gd__circle *circle, const struct gd__source *source,
                                double level)
 {

@@ -33,8 +33,8 @@ struct gd__circle gd__circle_of(const struct gd__sources *sources, uint32_t i, d
 
 struct gd__local gd__circle_place(const struct gd__circle *circle, double angle);
 
-/* Returns the angle of a place seen from the centre, in [-pi, pi]; for a line, the angle of the
- * place's projection onto the line. */
+/* Returns the angle of a position seen from the centre, in [-pi, pi]; for a line, the angle of the
+ * position's projection onto the line. */
 double gd__circle_angle(const struct gd__circle *circle, struct gd__local at);
 
 /* Computes the spans of source i's circle in the face that the source sees and where no other

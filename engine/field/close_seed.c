@@ -56,7 +56,7 @@ static void search_across_edge(const struct gd_field *field, uint32_t side, cons
 
 /* --- around a vertex -------------------------------------------------------------------------- */
 
-/* Returns the smaller of the two angles from a to b around their vertex; positive:
+/* Returns the smaller of the two angles from a to b around their vertex, positive if
  * counter-clockwise. */
 static double turn_between(const struct gd_mesh *mesh, const struct gd__polar *a,
                            const struct gd__polar *b)

@@ -16,8 +16,8 @@ enum {
 
 /* --- the order -------------------------------------------------------------------------------- */
 
-/* Buckets for sorting points. The bucket of an element is proportional to its number among the
- * elements of its kind. */
+/* Buckets for sorting points. The bucket of a vertex, an edge or a face is proportional to its
+ * number. */
 struct places {
     uint32_t count;
     double per_element[3];
@@ -58,7 +58,7 @@ struct batch {
     double *distance; /* entry i: the distance of point order[i] */
 };
 
-/* All zero is empty. */
+/* An all-zero struct is empty. */
 struct block {
     uint32_t count, faces;
     const struct gd_point *point[BLOCK];

@@ -48,7 +48,7 @@ static inline struct gd__local gd__face_frame_middle(const struct gd__face_frame
     return (struct gd__local){(c[0].x + c[1].x + c[2].x) / 3, (c[0].y + c[1].y + c[2].y) / 3};
 }
 
-/* Returns true if a place is in the face, or beside it by at most `slack`. */
+/* Returns true if a position is in the face, or outside by at most `slack`. */
 static inline bool gd__face_frame_has(const struct gd__face_frame *frame, struct gd__local at,
                                       double slack)
 {
@@ -58,8 +58,8 @@ static inline bool gd__face_frame_has(const struct gd__face_frame *frame, struct
     return true;
 }
 
-/* Returns the point of the face at a place, clamped to the face, because rounding may move a place
- * outside. */
+/* Returns the point of the face at a position, clamped to the face, because rounding may move a
+ * position outside. */
 static inline struct gd_point gd__face_frame_point(const struct gd_mesh *mesh, uint32_t face,
                                                    const struct gd__face_frame *frame,
                                                    struct gd__local at)

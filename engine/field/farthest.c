@@ -6,13 +6,13 @@
 
 /* The farthest point. Inside a region with one nearest source the distance has no maximum. On the
  * bisector of two sources inside a face the distance can have a maximum only where the two
- * gradients are opposite. If the sources are two points, or a point and a segment, such a place is
- * a saddle. If the sources are two parallel segments, the place belongs to a ridge of constant
- * distance. This ridge ends at a third source or on the boundary, or is a closed line that crosses
- * edges. Therefore a maximum is a vertex, a point of a boundary edge between two sources, a point
- * of any edge between two segments, or a point between three sources. Vertices are tried first.
- * Then the search visits only faces, and in each face only sources, whose distances may exceed the
- * best one so far. */
+ * gradients are opposite. If the sources are two points, or a point and a segment, such a position
+ * is a saddle. If the sources are two parallel segments, the position belongs to a ridge of
+ * constant distance. This ridge ends at a third source or on the boundary, or is a closed line that
+ * crosses edges. Therefore a maximum is a vertex, a point of a boundary edge between two sources, a
+ * point of any edge between two segments, or a point between three sources. Vertices are tried
+ * first. Then the search visits only faces, and in each face only sources, whose distances may
+ * exceed the best one so far. */
 
 enum { CHECK_INTERVAL = 64 /* faces */ };
 
@@ -54,7 +54,7 @@ static void take_farthest_vertex(struct search *search)
     }
 }
 
-/* Makes a place of the current face the best one if its exact distance is greater. */
+/* Makes a position of the current face the best one if its exact distance is greater. */
 static void offer_place(struct search *search, struct gd__local at)
 {
     struct gd_point point =
@@ -124,7 +124,7 @@ static enum gd_status find_rising(struct search *search, uint32_t face)
 
 /* --- points between three sources ------------------------------------------------------------- */
 
-/* A plane in the space of (place, distance): the points q with normal . q = value. */
+/* A plane in the space of (position, distance): the points q with normal . q = value. */
 struct plane {
     struct gd_vec3 normal;
     double value;
@@ -186,8 +186,8 @@ static bool is_distance(const struct gd__source *first, const struct gd__source 
     return source->linear || r >= source->sigma - first->sigma;
 }
 
-/* Computes the places equally far from three sources. The first source is a point, or all are
- * linear. Returns the number of places. */
+/* Computes the positions equally far from three sources. The first source is a point, or all are
+ * linear. Returns the number of positions. */
 static int places_between(const struct gd__source *const s[3], struct gd__local place[2])
 {
     struct gd_vec3 point[2];

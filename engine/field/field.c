@@ -40,8 +40,8 @@ static bool obeys_law(const struct gd_field *field)
     return true;
 }
 
-/* Lowers the distance of an edge's farther end to that of the path along the edge, if shorter.
- * Applies only to edges shorter than the rounding of the nearer end's distance. */
+/* Lowers the distance of an edge's farther end to that of the path along the edge, if this path is
+ * shorter. Applies only to edges shorter than the rounding of the nearer end's distance. */
 static bool mend_edge(struct gd_field *field, uint32_t side)
 {
     const struct gd_mesh *mesh = field->mesh;

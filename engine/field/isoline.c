@@ -83,8 +83,8 @@ static enum gd_status check_work(struct tracer *tracer, double fraction)
     return gd__pace_step(&tracer->pace, 1);
 }
 
-/* Returns the range of distances on an edge: along it the distance changes by at most its length.
- * The distance of an unreached end is taken as that of the other end plus the edge's length. */
+/* Returns the range of distances on an edge. Along the edge, the distance changes by at most the
+ * edge's length. An unreached end counts as that much farther than the other end. */
 static struct gd__levels edge_levels(double a, double b, double length)
 {
     double sum = lesser(a, b + length) + lesser(b, a + length);
@@ -256,7 +256,8 @@ static struct gd_isoline_arc export_arc(const struct gd_mesh *mesh,
                                    .centre = gd_vec3_scale(centre, mesh->unit)};
 }
 
-/* Returns true if an arc has length zero: it returns to its start without a turn. */
+/* Returns true if an arc has length zero: its ends are the same point, and it is not a full
+ * circle. */
 static bool is_point(const struct gd_isoline_arc *arc, const struct gd_point *start,
                      const struct gd_point *stop)
 {

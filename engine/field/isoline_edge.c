@@ -2,7 +2,7 @@
 #include "field/isoline_parts.h"
 
 /* Crossings: where the distance along an edge passes the level. For each source seen from the edge,
- * the places where its distance equals the level are candidates. Between two consecutive
+ * the positions where its distance equals the level are candidates. Between two consecutive
  * candidates, either all points of the edge are below the level or none is. One evaluation in the
  * middle shows which.
  *

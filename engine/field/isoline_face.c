@@ -6,9 +6,9 @@
 /* work of one source of a face, in steps of the pace */
 enum { STEPS_A_SOURCE = 8 };
 
-/* A place in the face where a part of a line must continue. Each departing end is matched with an
- * arriving end. A departing end is the end of an arc, or a crossing where the line enters the face.
- * An arriving end is the start of an arc, or a crossing where the line leaves the face. */
+/* A position in the face where a part of a line must continue. Each departing end is matched with
+ * an arriving end. A departing end is the end of an arc, or a crossing where the line enters the
+ * face. An arriving end is the start of an arc, or a crossing where the line leaves the face. */
 struct gd__end {
     struct gd__local at;
     uint32_t arc;      /* GD_NONE means a crossing */
@@ -91,8 +91,8 @@ static enum gd_status append_crossings(const struct work *work, uint32_t face)
 
 /* --- arcs ------------------------------------------------------------------------------------- */
 
-/* Returns true if the distance at a place is the level. Rounding may leave a false arc where wedges
- * do not quite join. */
+/* Returns true if the distance at a position is the level. Rounding may leave a false arc where
+ * wedges do not quite join. */
 static bool is_at_level(const struct work *work, struct gd__local at)
 {
     const struct gd__sources *sources = &work->scratch->sources;
@@ -231,7 +231,8 @@ static struct gd_point point_of(const struct work *work, const struct gd__end *e
     return gd__face_frame_point(mesh, sources->face, &sources->frame, end->at);
 }
 
-/* Returns the angle of a place around a circle's centre that is nearest to `angle`, modulo 2 pi. */
+/* Returns the angle of a position around a circle's centre that is nearest to `angle`, modulo 2
+ * pi. */
 static double angle_near(const struct gd__circle *circle, double angle, struct gd__local at)
 {
     return angle + remainder(gd__circle_angle(circle, at) - angle, 2 * M_PI);

@@ -6,9 +6,9 @@
  *   Therefore as many lines enter a face as leave it: rounding cannot change the topology.
  * - Inside a face the line consists of arcs. An arc is a part of one source's circle, or of a
  *   segment's parallel line, where no other source is nearer (circle.h). Ends of arcs and crossings
- *   are matched by place, nearest pairs first, so that each arc continues in another arc or at a
+ *   are matched by position, nearest pairs first, so that each arc continues in another arc or at a
  *   crossing. Arcs without crossings form closed loops.
- * - Normalised unit. Places and angles are in the face's frame (face_frame.h). */
+ * - Normalised unit. Positions and angles are in the face's frame (face_frame.h). */
 #ifndef GD_FIELD_ISOLINE_PARTS_H
 #define GD_FIELD_ISOLINE_PARTS_H
 
@@ -24,7 +24,7 @@ struct gd__crossing {
 };
 
 /* An arc, from its start to the start of the next piece. Radius 0 means a straight line between
- * these two places; `centre` is the line's start, and `from` and `to` are lengths along the
+ * these two positions; `centre` is the line's start, and `from` and `to` are lengths along the
  * line. */
 struct gd__isoline_piece {
     uint32_t face;
@@ -37,7 +37,7 @@ struct gd__isoline_piece {
 
 /* Consecutive pieces through one face, from the crossing where the line enters to the crossing
  * where it leaves. If both crossings are GD_NONE, the line is closed. If there are no pieces, both
- * crossings are at the same place. */
+ * crossings are at the same position. */
 struct gd__isoline_chain {
     uint32_t entry, exit;
     uint32_t first, count;
@@ -50,7 +50,8 @@ struct gd__isoline_chain {
  * all-zero struct is empty. */
 struct gd__isoline_parts {
     struct gd__crossing *crossing;
-    /* per block of edges: where it begins in first_crossing; GD_NONE: no crossings */
+    /* for each block of edges, index of its first entry in first_crossing, or GD_NONE if the block
+       has no crossings */
     uint32_t *block;
     /* for each block with crossings: the first crossing of each edge, and the end of the last */
     uint32_t *first_crossing;

@@ -1,5 +1,5 @@
-/* Layout of a field in memory: for each edge a chain of chunks of final wedges (window/wedges.h),
- * in the order of propagation.
+/* Layout of a field in memory. Each edge has a chain of chunks (window/wedges.h). A chunk contains
+ * final wedges. The chunks of a chain are in the order of propagation.
  *
  * Normalised unit; numbering of the mesh. */
 #ifndef GD_FIELD_LAYOUT_H
@@ -133,9 +133,9 @@ struct gd__leg {
     double distance;
     enum gd__leg_kind kind;
     uint32_t face; /* the face in which the leg ends */
-    uint32_t from; /* GD__LEG_VERTEX: the vertex; GD__LEG_SEED, GD__LEG_CLOSE: the seed */
-    /* GD__LEG_WEDGE: a side of `face`, and (x, -y), y >= 0. This is the source's place in the
-       side's frame, or for a linear wedge the direction towards the source. */
+    uint32_t from; /* the vertex of a GD__LEG_VERTEX, the seed of a GD__LEG_SEED or GD__LEG_CLOSE */
+    /* For GD__LEG_WEDGE, a side of `face`, and (x, -y), y >= 0. This is the source's position in
+       the side's frame, or for a linear wedge the direction towards the source. */
     uint32_t side;
     double parameter, x, y;
     /* The source of the wedge. A leg that bends at the wedge's end bends at `parameter`, and its
@@ -152,9 +152,10 @@ struct gd__leg_key {
     uint32_t from;
 };
 
-/* Finds the best path to a point over all faces that contain the point; GD__FAR and GD__LEG_NONE:
- * no path. The function writes `out` member by member. Do not copy the whole struct right after the
- * call: the copy would wait for these stores (failed store forwarding). */
+/* Finds the best path to a point over all faces that contain the point. If there is no path, the
+ * result is GD__FAR and GD__LEG_NONE. The function writes `out` member by member. Do not copy the
+ * whole struct right after the call: the copy would wait for these stores (failed store
+ * forwarding). */
 void gd__field_leg_key(const struct gd_field *field, const struct gd_point *point,
                        struct gd__leg_key *out);
 

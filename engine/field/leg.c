@@ -7,8 +7,8 @@
  * for the header first would cost one more cache miss. Most chunks are shorter. */
 enum { CACHE_LINE = 64, LINES_AT_ONCE = 7 };
 
-/* The distance at a point of a face is the minimum over the face's corners, the seeds in the face,
- * and those wedges of its edges whose source lies on the other side of the edge. Paths from a
+/* The distance at a point of a face is a minimum over the face's corners, the seeds in the face,
+ * and some wedges of its edges: those whose source lies on the other side of the edge. Paths from a
  * source on the face's own side reach the point through another edge or a corner. The search finds
  * the best candidate and only completes the leg of that candidate. */
 
@@ -25,7 +25,7 @@ enum { WEDGE_VIEWS = 8 }; /* views evaluated together; most points have one or t
 
 /* The position of the iteration over views: a side of the face, and a chunk of its edge. */
 struct cursor {
-    int k; /* 3: the end */
+    int k; /* 3 at the end */
     uint32_t chunk;
 };
 
@@ -185,11 +185,11 @@ static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t f
 }
 
 /* Returns the amount by which a path through a wedge must be shorter than the known path. A known
- * path is more precise than a path through a wedge if it is short compared with the face and comes
- * from a point seed, directly or through a vertex beside both the point and the seed. For such a
- * path, the amount is the rounding of places in the face. In all other cases the amount is 0. In
- * particular, it is 0 for a known path through another corner, because the length of such a path
- * may be slightly too large. */
+ * path is more precise than a path through a wedge under two conditions. It is short compared with
+ * the face. It comes from a point seed, directly or through a vertex beside both the point and the
+ * seed. For such a path, the amount is the rounding of positions in the face. In all other cases
+ * the amount is 0. In particular, it is 0 for a known path through another corner, because the
+ * length of such a path may be slightly too large. */
 static inline double margin_of(const struct gd_field *field, uint32_t face, const double weight[3],
                                const struct gd__leg_key *best)
 {

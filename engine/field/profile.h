@@ -2,7 +2,7 @@
  * each part of the segment. The sources of a face (wedges across its edges, corners, seeds in it)
  * become windows of the segment, as if it were an edge. Contests (window/contest.h) find the
  * nearest source everywhere. Within one window the distance is a convex function. Its minimum is at
- * the place nearest to the source, its maximum at an end of the window. */
+ * the position nearest to the source, its maximum at an end of the window. */
 #ifndef GD_FIELD_PROFILE_H
 #define GD_FIELD_PROFILE_H
 
@@ -10,7 +10,7 @@
 #include "mesh/segment.h"
 #include "window/stack.h"
 
-/* All zero is empty; reused. */
+/* An all-zero struct is empty. The memory is reused. */
 struct gd__profile {
     /* sorted, disjoint, over [0, length]; only the absolute value of `y` is meaningful */
     struct gd__stack windows;

@@ -12,12 +12,12 @@ struct gd__ray {
     double t, x, y;
 };
 
-/* The place where a leg ended. */
+/* The position where a leg ended. */
 struct gd__stop {
     enum { GD__STOP_VERTEX, GD__STOP_SEED, GD__STOP_BEND, GD__STOP_FAILED } kind;
     uint32_t vertex;       /* GD__STOP_VERTEX */
     uint32_t seed;         /* GD__STOP_SEED */
-    struct gd_point point; /* GD__STOP_BEND: a point of an edge */
+    struct gd_point point; /* GD__STOP_BEND; a point of an edge */
 };
 
 static inline struct gd__stop gd__stop_at_vertex(uint32_t vertex)

@@ -3,8 +3,9 @@
 #include "field/ridges.h"
 #include "mesh/union_find.h"
 
-/* Branches of the graph of ridges. A branch is a chain of parts between two nodes at which one part
- * ends, or three or more meet. A branch is dropped if its greatest angle is below the least one. */
+/* Branches of the graph of ridges. A branch is a chain of parts between two nodes. At each of these
+ * nodes, one part ends or three or more parts meet. A branch is dropped if its greatest angle is
+ * below `min_angle`. */
 
 /* Scratch: an entry for each part. */
 struct work {

@@ -56,9 +56,9 @@ static bool are_related(const struct work *work, uint32_t i, uint32_t j)
     return is_on_path(work, a, b) || is_on_path(work, b, a);
 }
 
-/* Returns true if source i takes precedence over its related source j where both are equally near:
- * a segment over its end, a source over a corner on its path, the first wedge of a source over the
- * others. */
+/* Returns true if source i takes precedence over its related source j where both are equally near.
+ * A segment takes precedence over its end, a source over a corner on its path, and the first wedge
+ * of a source over the other wedges. */
 static bool takes_precedence(const struct work *work, uint32_t i, uint32_t j)
 {
     const struct gd__source *a = source_at(work, i), *b = source_at(work, j);
@@ -74,14 +74,14 @@ static struct gd__local direction_of(const struct gd__focus *focus, struct gd__l
     return focus->linear ? focus->gradient : gd__local_minus(at, focus->at);
 }
 
-/* Returns the angle at which the paths of two sources meet at a place. */
+/* Returns the angle at which the paths of two sources meet at a position. */
 static double angle_at(const struct gd__focus focus[2], struct gd__local at)
 {
     struct gd__local u = direction_of(&focus[0], at), v = direction_of(&focus[1], at);
     return atan2(fabs(gd__local_cross(u, v)), gd__local_dot(u, v));
 }
 
-/* Returns a bound of the rounding error of a branch at a place, measured across the branch. */
+/* Returns a bound of the rounding error of a branch at a position, measured across the branch. */
 static double beside_at(const struct work *work, const struct gd__focus focus[2],
                         struct gd__local at)
 {
@@ -91,8 +91,8 @@ static double beside_at(const struct work *work, const struct gd__focus focus[2]
 
 /* --- ends of a part --------------------------------------------------------------------------- */
 
-/* Sets the element on which an end lies, and the end's place there. Returns false if the end lies
- * inside the face. `snap`: rounding of places at the border of the face. */
+/* Sets the element on which an end lies, and the end's position there. Returns false if the end
+ * lies inside the face. `snap` is the rounding of positions at the border of the face. */
 static bool put_on_border(const struct work *work, struct gd__local at, double snap,
                           struct gd__ridge_end *out)
 {
@@ -120,7 +120,7 @@ static bool put_on_border(const struct work *work, struct gd__local at, double s
     return false;
 }
 
-/* Moves a place along the bisector of two sources to a side of the face that is at most `reach`
+/* Moves a position along the bisector of two sources to a side of the face that is at most `reach`
  * away. Uses Newton's method for two equations: the distances are equal, and the height above the
  * side is 0. */
 static struct gd__local move_to_side(const struct gd__face_frame *frame,
@@ -153,7 +153,7 @@ static struct gd__local move_to_side(const struct gd__face_frame *frame,
     return at;
 }
 
-/* Computes the precise place of an end. `third`: the source that is nearer beyond the end, or
+/* Computes the precise position of an end. `third` is the source that is nearer beyond the end, or
  * GD__SPAN_OPEN at a border of the face or of a view. A related third source is not nearer beyond
  * the end: there, the end lies at the border of a view. */
 static struct gd__local refine_end(const struct work *work, const struct pair *pair, uint32_t third,
@@ -183,8 +183,8 @@ static struct gd__ridge_end locate_end(const struct work *work, struct gd__local
     return end;
 }
 
-/* Returns the number of the side along which a part runs; 3: none. The ends and the middle of the
- * part must be on the side. */
+/* Returns the number of the side along which a part runs, or 3 if there is none. The ends and the
+ * middle of the part must be on the side. */
 static int side_along(const struct work *work, const struct gd__ridge_end end[2],
                       struct gd__local middle)
 {
@@ -206,7 +206,7 @@ static int side_along(const struct work *work, const struct gd__ridge_end end[2]
 
 /* --- a part ----------------------------------------------------------------------------------- */
 
-/* Returns true if both paths to a place are longer than rounding, and no third source is nearer.
+/* Returns true if both paths to a position are longer than rounding, and no third source is nearer.
  * Rounding may leave a false part where wedges do not quite join. The two sides of one segment have
  * no ridge along the segment. */
 static bool is_ridge(const struct work *work, const struct pair *pair, struct gd__local at)

@@ -8,7 +8,7 @@
 
 #define GAP_SLACKS 16 /* an end is off by at most this many roundings, divided by the angle */
 
-/* The place of a node, for lists that are sorted by element. */
+/* The position of a node, for lists that are sorted by element. */
 struct place {
     struct gd_point point;
     double x;      /* position on the edge or in the face */
@@ -49,7 +49,7 @@ static size_t mark_of(const struct gd_mesh *mesh, enum gd_point_kind kind, uint3
     return element + (kind == GD_POINT_FACE ? faces : kind == GD_POINT_EDGE ? edges : 0);
 }
 
-/* Marks a face, its edges and its vertices. GD_NONE: no face. */
+/* Marks a face, its edges and its vertices. Does nothing if `face` is GD_NONE. */
 static void mark_face(const struct gd_mesh *mesh, bool *marks, uint32_t face)
 {
     if (face == GD_NONE) return;
@@ -73,7 +73,7 @@ static struct place place_of(const struct gd__diagram *diagram, uint32_t node)
     return (struct place){*point, x, node};
 }
 
-/* Lists the nodes on marked elements, or the loose ones (`marks` is NULL), sorted by element. The
+/* Lists the nodes on marked elements, or the loose nodes if `marks` is NULL, sorted by element. The
  * caller frees them. */
 static enum gd_status list_places(struct gd__ridges *ridges, const bool *marks, struct places *out)
 {
@@ -120,7 +120,7 @@ static void mark_gaps(const struct gd__ridges *ridges, const struct places *loos
 
 /* --- the neighbour of a loose end ------------------------------------------------------------- */
 
-/* Returns the first place on this element or on a later one. */
+/* Returns the first entry on this element or on a later one. */
 static uint32_t first_on(const struct places *places, enum gd_point_kind kind, uint32_t element)
 {
     uint32_t from = 0, to = places->count;
@@ -142,7 +142,7 @@ struct loose {
     const struct places *places; /* the nodes near loose ends */
     uint32_t node, part, end;
     struct gd_point point;
-    double sure; /* a node at most this far away is at the same place */
+    double sure; /* a node at most this far away is at the same position */
 };
 
 /* Searches the nodes on one element of a face. If one is nearer than `best`, replaces `best` by
@@ -188,8 +188,8 @@ static double size_at(const struct gd__ridges *ridges, uint32_t part)
     return fmax(side->length, fmax(side->left_length, side->right_length));
 }
 
-/* Returns the distance at which nodes are at one place. For a part along an edge this distance is
- * small, because a copy of a ridge (drop_copies) may end close to another node. */
+/* Returns the distance up to which nodes count as the same node. For a part along an edge this
+ * distance is small, because a copy of a ridge (drop_copies) may end close to another node. */
 static double sure_reach(const struct gd__ridges *ridges, uint32_t part)
 {
     return (part < ridges->first_along ? GD_TOL_NODE : 10 * GD_TOL_CHECK) * size_at(ridges, part);

@@ -314,7 +314,7 @@ static double apart(const struct gd__ridge_end *a, const struct gd__ridge_end *b
     return gd__local_length(gd__local_minus(a->at, b->at));
 }
 
-/* Gives an end the node of an earlier end at the same place, or a new node. */
+/* Gives an end the node of an earlier end at the same position, or a new node. */
 static enum gd_status give_node(struct gd__ridges *ridges, uint32_t i)
 {
     const struct gd__ridge_end *end = &ridges->here[i];

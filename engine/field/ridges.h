@@ -8,15 +8,15 @@
  *   corner and the source behind it, a segment and its end. At each point, their distances differ,
  *   or their distances and their directions are equal. So they have no ridge. Where they are equal,
  *   one of the two sources takes precedence, so that no part is found twice.
- * - Parts are labelled with the members of their sources. Members have no influence on the places
- *   of parts. So there is no nudge as in a Voronoi diagram (voronoi_parts.h).
+ * - Parts are labelled with the members of their sources. Members have no influence on the
+ *   positions of parts. So there is no nudge as in a Voronoi diagram (voronoi_parts.h).
  * - A ridge along an edge may be found in one of the edge's faces or in both, because the field
  *   stores equally near windows from one or from both sides. Such parts may lie beside their face
  *   by the rounding of a ridge. They are joined to disjoint intervals of the edge.
- * - The ends of parts are matched by place: at a vertex, on an edge, in a face. The number of parts
- *   that end at a place is arbitrary, so ties need no rule. The faces are processed in the order of
- *   their numbers. Ends on an edge wait until both faces of the edge are done, and on an edge with
- *   parts along it until all faces are done.
+ * - The ends of parts are matched by position: at a vertex, on an edge, in a face. The number of
+ *   parts that end at a position is arbitrary, so ties need no rule. The faces are processed in the
+ *   order of their numbers. Ends on an edge wait until both faces of the edge are done, and on an
+ *   edge with parts along it until all faces are done.
  * - Most parts are straight up to the tolerance and store no arc. If the sources of such a part are
  *   needed later, they are gathered again.
  * - Normalised unit. */
@@ -32,7 +32,7 @@ struct gd__ridge_end {
     enum gd_point_kind kind;
     uint32_t element;    /* vertex, edge or face */
     struct gd__local at; /* on an edge: x is measured from the origin of its side 0, and y is 0 */
-    double near;         /* ends at most this far apart are at one place */
+    double near;         /* ends at most this far apart are at one position */
     struct gd_point point;
     uint32_t part, end; /* set by gd__ridges_add */
 };
@@ -47,7 +47,8 @@ struct gd__waiting_end {
 /* The data of a part in addition to those of a part of a Voronoi diagram (gd__bisector_part). */
 struct gd__ridge_pair {
     double angle; /* greatest angle between the directions of arrival */
-    /* numbers of its sources in the face; GD_NONE: a part along an edge, or a bridge over a gap */
+    /* numbers of its sources in the face; GD_NONE for a part along an edge, or for a bridge over a
+       gap */
     uint32_t source[2];
 };
 
@@ -67,7 +68,7 @@ struct gd__along {
 struct gd__ridges {
     struct gd__diagram diagram;
     struct gd__voronoi_scratch scratch;
-    double tolerance; /* of the lines */
+    double tolerance; /* tolerance of the lines */
     double min_angle;
     struct gd__pace pace;
     struct gd__ridge_pair *pair; /* for each part */
@@ -132,8 +133,8 @@ static inline bool gd__ridge_is_loose(const struct gd__node *node)
  * must have been counted. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__ridges_close_gaps(struct gd__ridges *ridges);
 
-/* ridge_branches.c: removes the branches whose angles are below the least one, and joins those that
- * they separated. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
+/* ridge_branches.c: removes the branches whose angles are below `min_angle`, and joins the branches
+ * that they separated. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__ridges_keep_branches(struct gd__ridges *ridges);
 
 #endif

@@ -67,7 +67,7 @@ static struct gd__local sector_normal(const struct gd__face_frame *frame, int k,
                       : gd__face_frame_turn(frame, k, 0, 1);
 }
 
-/* Makes a source linear. Sets sigma from the distance at the place `at`. */
+/* Makes a source linear. Sets sigma from the distance at the position `at`. */
 static void set_gradient(struct gd__source *source, struct gd__local gradient, struct gd__local at,
                          double distance)
 {

@@ -68,7 +68,7 @@ struct gd__face_seeds gd__edge_seeds(const struct gd_field *field, uint32_t edge
 bool gd__edge_seed_window(const struct gd_field *field, uint32_t edge, uint32_t seed,
                           struct gd__window *out);
 
-/* Returns the distance at a place that the source sees. */
+/* Returns the distance at a position that the source sees. */
 static inline double gd__source_distance(const struct gd__source *source, struct gd__local at)
 {
     double dx = at.x - source->at.x, dy = at.y - source->at.y;
@@ -76,8 +76,8 @@ static inline double gd__source_distance(const struct gd__source *source, struct
     return source->sigma + sqrt(dx * dx + dy * dy);
 }
 
-/* Returns a bound of the rounding of stored ends of wedges on an edge: twice 2^-32 of the edge's
- * length. */
+/* Returns a bound of the error by which the ends of an edge's wedges are rounded when they are
+ * stored: twice 2^-32 of the edge's length. */
 static inline double gd__stored_slack(double length)
 {
     return 2 * GD__WEDGE_UNIT * length;
@@ -91,8 +91,8 @@ static inline double gd__line_lengthened(double size, double away)
     return fmax(fmin(2 * GD__WEDGE_UNIT * size, GD_TOL_LENGTHENED * away), 0);
 }
 
-/* Returns a bound of the rounding error of distances near `level`, at places within a face of size
- * `size`. */
+/* Returns a bound of the rounding error of distances near `level`, at positions within a face of
+ * size `size`. */
 static inline double gd__envelope_slack(double level, double size)
 {
     return GD_TOL_ENVELOPE * level + GD_TOL_PLACE * size;

@@ -1,4 +1,4 @@
-/* Spans: intervals of the angle around a point, and their complement in the full turn. */
+/* Spans: intervals of the angle around a point, and their complement in the full circle. */
 #ifndef GD_FIELD_SPANS_H
 #define GD_FIELD_SPANS_H
 
@@ -30,7 +30,8 @@ struct gd__turn gd__turn_around(double phi, double q);
 /* Returns the intersection. m and n spans give at most m + n - 1. */
 struct gd__turn gd__turn_both(const struct gd__turn *a, const struct gd__turn *b);
 
-/* Replaces a turn by its intersection with another one. Usually both have one span. */
+/* Replaces the spans of `turn` by their intersection with those of `other`. Usually both have one
+ * span. */
 static inline void gd__turn_narrow(struct gd__turn *turn, const struct gd__turn *other)
 {
     if (turn->count != 1 || other->count != 1) {
@@ -49,7 +50,7 @@ struct gd__spans {
     uint32_t count, capacity;
 };
 
-/* Appends the spans of a turn. Each of their borders gets the number `by`. Error: GD_NO_MEMORY. */
+/* Appends the spans of `turn`. Each of their borders gets the number `by`. Error: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__spans_put(struct gd__spans *spans, const struct gd__turn *turn,
                                          uint32_t by);
 

@@ -1,7 +1,7 @@
 #include "field/voronoi_branch.h"
 
-/* steps of Newton's method; it starts at places that are accurate up to rounding or the height of a
- * chord */
+/* steps of Newton's method; it starts at positions that are accurate up to rounding or the height
+ * of a chord */
 enum { STEPS = 8 };
 
 /* Returns a + t b. */
@@ -171,7 +171,7 @@ struct gd__turn gd__branch_lost_to(const struct gd__branch *branch, const struct
                          : point_lost_to_point(branch, third, slack);
 }
 
-/* --- places by Newton's method ---------------------------------------------------------------- */
+/* --- positions by Newton's method ------------------------------------------------------------- */
 
 static struct gd__local direction_from(const struct gd__focus *focus, struct gd__local at)
 {

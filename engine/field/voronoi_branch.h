@@ -8,10 +8,11 @@
  *   1/r = 2 (a u - k) / (a a - k^2).
  * - About a point s, against a line with gradient g that is farther by k: r = k + r g u, that is
  *   1/r = (1 - g u) / k.
- * - A line has this form about any place that is not on the line. For two linear sources the centre
- *   is a chosen place, not a source.
- * So 1/r is linear in u. There are two tests of a place c + r u of the branch: on which side of a
- * line it lies, and whether a third source is nearer. Divided by r, these tests are linear in u
+ * - A line has this form about any position that is not on the line. For two linear sources the
+ *   centre is a chosen position, not a source.
+ *
+ * So 1/r is linear in u. There are two tests of a position c + r u of the branch: on which side of
+ * a line it lies, and whether a third source is nearer. Divided by r, these tests are linear in u
  * too: m u >= h. Their solution is a span of angles. Only the test of a third point against two
  * linear sources is quadratic along their line. */
 #ifndef GD_FIELD_VORONOI_BRANCH_H
@@ -22,7 +23,7 @@
 
 /* A source without its sector. */
 struct gd__focus {
-    struct gd__local at; /* for a point: the place */
+    struct gd__local at; /* for a point: the position */
     /* distance of the source; for a linear source, the distance at the frame's origin */
     double sigma;
     bool linear;
@@ -76,8 +77,8 @@ struct gd__turn gd__branch_beyond(const struct gd__branch *branch, struct gd__lo
 struct gd__turn gd__branch_lost_to(const struct gd__branch *branch, const struct gd__focus *third,
                                    double slack);
 
-/* Return the place nearest to `at` that is equally far from two or three sources; `at` itself if no
- * such place is within `reach`. If the bisectors of three sources meet at a tiny angle (for
+/* Return the position nearest to `at` that is equally far from two or three sources; `at` itself if
+ * no such position is within `reach`. If the bisectors of three sources meet at a tiny angle (for
  * instance those of a segment's line and its end), only the first two sources are used. */
 struct gd__local gd__between_two(const struct gd__focus focus[2], struct gd__local at,
                                  double reach);

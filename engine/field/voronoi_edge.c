@@ -7,7 +7,7 @@
 /* Owners along an edge, from the lower envelope of the windows that reach the edge, the edge's
  * ends, and the seeds on the edge. */
 
-/* steps of Newton's method; it starts at places that are accurate up to the nudge */
+/* steps of Newton's method; it starts at positions that are accurate up to the nudge */
 enum { STEPS = 8 };
 
 static uint32_t end_of(const struct gd__diagram *diagram, uint32_t edge, int k)
@@ -168,7 +168,7 @@ static double slope_of(const struct gd__window *w, double t)
     return distance > 0 ? dx / distance : 0;
 }
 
-/* Returns the parameter near t where two consecutive windows give the same distance; t itself if
+/* Returns the parameter near t where two consecutive windows give the same distance, or t itself if
  * that parameter is not close. */
 static double refine_switch(const struct gd__diagram *diagram, const struct gd__window *a,
                             const struct gd__window *b, double t, double length)

@@ -95,8 +95,8 @@ static void go_to_place(struct writer *writer, struct leg *leg, struct gd__local
 
 /* --- a part of a bisector --------------------------------------------------------------------- */
 
-/* Appends points between two places of a branch that are at most a quarter turn apart. The branch
- * deviates most from the chord near the middle. */
+/* Appends points between two positions of a branch that are at most a quarter turn apart. The
+ * branch deviates most from the chord near the middle. */
 static void flatten_branch(struct writer *writer, struct leg *leg, const struct gd__focus focus[2],
                            struct gd__local from, struct gd__local to, int halvings_left)
 {

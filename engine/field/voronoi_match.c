@@ -21,14 +21,14 @@ static bool has_node(const struct gd__loose_end *loose)
 struct work {
     struct gd__diagram *diagram;
     struct gd__voronoi_scratch *scratch;
-    double reach; /* ends this close are at the same place, up to rounding */
+    double reach; /* ends this close are at the same position, up to rounding */
 };
 
-/* --- places ----------------------------------------------------------------------------------- */
+/* --- positions -------------------------------------------------------------------------------- */
 
-/* Returns the place near `at` that is equally far from three sources; `at` itself if that place is
- * outside the face. For a segment and its end, or for a vertex and a source behind it, all points
- * of a perpendicular line are solutions, and this line may leave the face. */
+/* Returns the position near `at` that is equally far from three sources; `at` itself if that
+ * position is outside the face. For a segment and its end, or for a vertex and a source behind it,
+ * all points of a perpendicular line are solutions, and this line may leave the face. */
 static struct gd__local refine_takeover(const struct work *work, const struct gd__focus focus[3],
                                         struct gd__local at)
 {
@@ -37,8 +37,8 @@ static struct gd__local refine_takeover(const struct work *work, const struct gd
     return gd__face_frame_has(frame, place, GD_TOL_PLACE * frame->size) ? place : at;
 }
 
-/* Recomputes the place of a loose end without the nudge, except for owner changes, whose places are
- * exact. */
+/* Recomputes the position of a loose end without the nudge, except for owner changes, whose
+ * positions are exact. */
 static void refine_end(const struct work *work, struct gd__loose_end *loose)
 {
     if (has_node(loose)) return;
@@ -215,8 +215,8 @@ static enum gd_status give_node(const struct work *work, struct gd__loose_end *l
     return status;
 }
 
-/* Matches two ends. Two ends at the same place share one node. Ends at different places are joined
- * by a straight part (a bridge). */
+/* Matches two ends. Two ends at the same position share one node. Ends at different positions are
+ * joined by a straight part (a bridge). */
 static enum gd_status match_two(const struct work *work, struct gd__loose_end *a,
                                 struct gd__loose_end *b)
 {
@@ -224,7 +224,7 @@ static enum gd_status match_two(const struct work *work, struct gd__loose_end *a
     if (is_one && has_node(a)) attach_end(work, b, a->node);
     if (is_one && has_node(b)) attach_end(work, a, b->node);
     if (is_one && (has_node(a) || has_node(b))) return GD_OK;
-    /* the place of an end with a third source is more accurate */
+    /* the position of an end with a third source is more accurate */
     bool second = is_one && a->third == GD_NONE;
     enum gd_status status = give_node(work, second ? b : a);
     if (is_one && !status) attach_end(work, second ? a : b, second ? b->node : a->node);
@@ -272,7 +272,7 @@ static bool find_other_two(const struct gd__loose_end *a, const struct gd__loose
     return false;
 }
 
-/* If two ends are at the same place, determines the pair of members that is missing there
+/* If two ends are at the same position, determines the pair of members that is missing there
  * (find_other_two), and returns an unmatched end of this pair. Returns NULL if there is none. */
 static struct gd__loose_end *find_third(const struct work *work, const struct gd__loose_end *a,
                                         const struct gd__loose_end *b)

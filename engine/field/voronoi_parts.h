@@ -5,15 +5,15 @@
  * - A nudge separates members that tie: each member's distance is increased by a tiny amount of its
  *   own (GD_TOL_TIE). With nudges the diagram is in general position even if surface and seeds are
  *   symmetric, and edges and faces decide ties consistently. Nudges determine the topology only;
- *   places are computed without them.
+ *   positions are computed without them.
  * - Each vertex has an owner. Along an edge the owners come from the lower envelope of its windows.
  *   An owner change is a node where the owner changes; both faces of the edge share it. If the
  *   first or last owner along an edge differs from the owner of the edge's end, the owner change is
  *   at that end.
  * - In a face, any two sources of different members have a branch (voronoi_branch.h). The parts of
  *   bisectors are the parts of branches that both sources see and to which no third source is
- *   nearer. The ends of parts are matched by place: with an owner change, with the end of a part of
- *   the same members, or with two others at a triple point.
+ *   nearer. The ends of parts are matched by position: with an owner change, with the end of a part
+ *   of the same members, or with two others at a triple point.
  * - A bisector is a chain of parts, joined at nodes where two parts meet.
  * - Normalised unit. */
 #ifndef GD_FIELD_VORONOI_PARTS_H
@@ -27,11 +27,11 @@
 /* The member of each pseudo-source, and the nudge of each member. */
 struct gd__members {
     uint32_t *of; /* vertex_count + seed_count; GD_NONE if unreached */
-    /* per member (at most seed_count members): less than GD_TOL_TIE * farthest */
+    /* for each member (at most seed_count), less than GD_TOL_TIE * farthest */
     double *nudge;
     double farthest; /* upper bound of the distances on edges */
-    /* GD__MEMBER_BLOCKS: per 256 consecutive pseudo-sources their member if all have the same one,
-       otherwise GD_NONE */
+    /* GD__MEMBER_BLOCKS entries: for each block of 256 consecutive pseudo-sources, their member if
+       all have the same, otherwise GD_NONE */
     uint32_t *of_block;
 };
 
@@ -42,8 +42,8 @@ static inline uint32_t gd__member_of(const struct gd__members *members, uint32_t
     return members->of[source & ~GD__SOURCE_LINEAR];
 }
 
-/* voronoi_members.c: finds the members and nudges. `member_of_seed` as in gd_voronoi_trace. Errors:
- * GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_INTERNAL. */
+/* voronoi_members.c: finds the members and nudges. `member_of_seed` is that of gd_voronoi_trace.
+ * Errors: GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_INTERNAL. */
 GD_MUST_USE enum gd_status gd__members_find(const struct gd_field *field,
                                             const uint32_t *member_of_seed,
                                             struct gd__members *out);
@@ -78,7 +78,7 @@ struct gd__bisector_part {
     uint32_t face;
     uint32_t member[2]; /* ascending */
     uint32_t node[2];
-    uint32_t arc; /* number of its arc; GD_NONE: a straight line between its nodes */
+    uint32_t arc; /* number of its arc; GD_NONE means a straight line between its nodes */
 };
 
 /* A piece of the branch of two sources. It is straight if both are linear. */
@@ -90,8 +90,8 @@ struct gd__arc {
 /* MIXED: the windows of an edge belong to more than one member. */
 enum gd__mixture { GD__MIXTURE_UNKNOWN, GD__MIXTURE_PURE, GD__MIXTURE_MIXED };
 
-/* The diagram under construction. Owner changes of edge e: [first_switch[e], first_switch[e + 1]).
- * An all-zero struct is empty. */
+/* The diagram under construction. Edge e has the owner changes first_switch[e] to first_switch[e +
+ * 1] - 1. An all-zero struct is empty. */
 struct gd__diagram {
     const struct gd_field *field;
     const struct gd_mesh *mesh;

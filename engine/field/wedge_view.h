@@ -16,8 +16,8 @@ struct gd__wedge_view {
 };
 
 /* The shortest path through the wedges of several views. `place` is the number of its wedge,
- * counted through all views; in a tie the first. GD_NONE means that no path is shorter than
- * `known`. */
+ * counted through all views. In a tie, the first wedge wins. GD_NONE means that no path is shorter
+ * than `known`. */
 struct gd__wedge_view_best {
     double distance;
     uint32_t place;
