@@ -17,7 +17,7 @@ struct gd__guide_node {
     /* length of the shortest known path from this vertex to the target, or GD__FAR if there is
        none */
     double upper;
-    double lower; /* lower bound of the distance to the target; < 0: not computed yet */
+    double lower; /* lower bound of the distance to the target; < 0 if not computed yet */
     /* the next vertex on the path whose length is `upper`; GD_NONE means that the path leads
        straight to the target */
     uint32_t parent;
