@@ -33,8 +33,8 @@ enum gd_interpolate_boundary {
 
 struct gd_control_mesh {
     struct gd_polygons polygons;
-    struct gd_crease *creases; /* NULL: none */
-    struct gd_corner *corners; /* NULL: none */
+    struct gd_crease *creases; /* NULL if there are none */
+    struct gd_corner *corners; /* NULL if there are none */
     uint32_t crease_count, corner_count;
     enum gd_interpolate_boundary boundary;
 };

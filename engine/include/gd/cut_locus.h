@@ -42,12 +42,12 @@ struct gd_cut_locus_options {
 
 /* Traces all ridges. `member_of_seed` is as in gd_voronoi_labels and only names the ridges: the
  * members of a ridge are those of its two paths, and may be equal. `control` may be NULL. The
- * caller frees `*out` by gd_voronoi_free. Two paths to each vertex of a ridge have equal lengths,
- * to 1e-9 of the greatest distance. Errors: GD_INVALID_ARGUMENT (an option, a member's number),
- * GD_BEYOND_REACH (a partial field), GD_INTERNAL (as in gd_voronoi_labels), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Time: O(k^2) for each face with k sources (wedges of its
- * edges), and O(k) for each two of them that meet. Memory: about 100 to 200 bytes for each ridge in
- * a face; there are at most about as many as wedges. Thread-safe. */
+ * caller frees `*out` by gd_voronoi_free. Each point of a ridge's polyline has two paths whose
+ * lengths differ by at most 1e-9 of the greatest distance. Errors: GD_INVALID_ARGUMENT (an option,
+ * a member's number), GD_BEYOND_REACH (a partial field), GD_INTERNAL (as in gd_voronoi_labels),
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Time: O(k^2) for each face with k sources
+ * (wedges of its edges), and O(k) for each two of them that meet. Memory: about 100 to 200 bytes
+ * for each ridge in a face; there are at most about as many as wedges. Thread-safe. */
 GD_MUST_USE enum gd_status gd_cut_locus_trace(const struct gd_field *field,
                                               const uint32_t *member_of_seed,
                                               const struct gd_cut_locus_options *options,

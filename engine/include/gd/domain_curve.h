@@ -4,11 +4,12 @@
  *     struct gd_domain_curve *line;
  *     if (gd_domain_curve_iso(torus, GD_ISO_U, 0.5, &line, &detail) == GD_OK) …
  *
- * All kinds are stored as B-splines. A polyline has degree 1, and its corners have the parameters
- * 0, 1, 2, …. An iso-parameter line runs through the whole domain, and its parameter is the other
- * coordinate. A curve is closed if its ends are the same point of the surface; in a closed
- * direction, their coordinates may differ by periods. The parameter of a closed curve is periodic.
- * Curves are immutable: any number of threads may read them. A curve keeps its surface alive. */
+ * All domain curves are stored as B-splines. A polyline has degree 1, and its corners have the
+ * parameters 0, 1, 2, …. An iso-parameter line runs through the whole domain, and its parameter is
+ * the other coordinate. A curve is closed if its ends are the same point of the surface; in a
+ * closed direction, their coordinates may differ by periods. The parameter of a closed curve is
+ * periodic. Curves are immutable: any number of threads may read them. A curve keeps its surface
+ * alive. */
 #ifndef GD_DOMAIN_CURVE_H
 #define GD_DOMAIN_CURVE_H
 

@@ -46,8 +46,8 @@ struct gd_geodesic_options {
     double tolerance;
     /* true if all local minima that the search finds are returned, not only the shortest */
     bool all_minima;
-    /* For all_minima, on surfaces that are closed in a direction. If not 0, the search also starts
-     * from paths of each homotopy class whose winding numbers are within this limit, at most
+    /* Used with all_minima, on surfaces that are closed in a direction. If not 0, the search also
+     * starts from paths of each homotopy class whose winding numbers are within this limit, at most
      * GD_GEODESIC_TURN_LIMIT_MOST. If 0, it starts only from candidates that are found from
      * distances on the tessellation. */
     uint32_t turn_limit;
@@ -108,8 +108,8 @@ struct gd_geodesic {
     uint32_t warnings;    /* enum gd_geodesic_warning */
     uint32_t piece_count; /* 0 if `from` and `to` meet */
     struct gd_geodesic_piece *pieces;
-    /* Winding numbers: if the beginning of the path has the coordinates (u, v) of `from`, its end
-       has those of `to` plus these numbers of periods. Between closed curves they depend on the
+    /* Winding numbers. If the path begins at the coordinates (u, v) of `from`, it ends at the
+       coordinates of `to` plus these numbers of periods. Between closed curves they depend on the
        parameters of the ends. */
     int32_t turns[2];
     double meeting[2]; /* (u, v) where `from` and `to` meet, if piece_count is 0 */

@@ -76,8 +76,8 @@ const char *gd_format_name(enum gd_format format);
 const char *gd_format_media_type(enum gd_format format);
 
 /* Recognises the format only from the content and the size. Returns GD_FORMAT_ANY if no format
- * fits. Of a text, reads at most the leading space and comments and the first word, within the
- * first MiB. Thread-safe. */
+ * fits. In a text, reads only the leading space and comments and the first word, and nothing after
+ * the first MiB. Thread-safe. */
 enum gd_format gd_format_recognise(const void *bytes, size_t size);
 
 /* If all members are zero, the format is recognised, and the limits are 2^30. */

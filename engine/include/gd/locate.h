@@ -20,11 +20,11 @@ GD_MUST_USE enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct 
 double gd_locate_distance(const struct gd_mesh *mesh, struct gd_vec3 xyz,
                           const struct gd_point *point);
 
-/* Finds the first point where a ray meets the surface, from either side. A ray never passes through
- * the surface at an edge or a vertex due to rounding. If the ray lies in a face's plane, the result
- * is the point where the ray meets the face's border, or the ray's origin if the origin lies on the
- * face. Errors: GD_INVALID_ARGUMENT (not finite, direction of length zero), GD_NOT_ON_SURFACE (no
- * hit, or an origin beyond 1e75 mean edges). Cost: expected O(log n). Thread-safe. */
+/* Finds the first point where a ray meets the surface, from either side. Rounding never makes a ray
+ * miss the surface at an edge or a vertex. If the ray lies in a face's plane, the result is the
+ * point where the ray meets the face's border, or the ray's origin if the origin lies on the face.
+ * Errors: GD_INVALID_ARGUMENT (not finite, direction of length zero), GD_NOT_ON_SURFACE (no hit, or
+ * an origin beyond 1e75 mean edges). Cost: expected O(log n). Thread-safe. */
 GD_MUST_USE enum gd_status gd_locate_first_hit(const struct gd_mesh *mesh, struct gd_vec3 origin,
                                                struct gd_vec3 direction, struct gd_point *out,
                                                struct gd_detail *detail);

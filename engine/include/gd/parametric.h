@@ -93,8 +93,8 @@ bool gd_parametric_contains(const struct gd_parametric *surface, double u, doubl
 GD_MUST_USE enum gd_status gd_parametric_evaluate(const struct gd_parametric *surface, double u,
                                                   double v, struct gd_jet *out);
 
-/* Normal and curvatures of a surface at a point. do Carmo, Differential Geometry of Curves and
- * Surfaces, section 3-3. */
+/* Normal and curvatures of a surface at a point. Source: do Carmo, Differential Geometry of Curves
+ * and Surfaces, section 3-3. */
 struct gd_curvature {
     struct gd_vec3 normal; /* unit vector along the cross product of the u- and v-derivatives */
     /* gaussian in 1/length^2; mean in 1/length, positive where the surface bends towards the
@@ -116,7 +116,7 @@ struct gd_parametric_closest {
  * is the closest point within the loops. Applies Newton's method from every grid point that may be
  * near the minimum, and along loops. `control` and `detail` may be NULL. Errors:
  * GD_INVALID_ARGUMENT (not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about
- * a thousand evaluations. Piegl and Tiller, The NURBS Book, section 6.1. Thread-safe. */
+ * a thousand evaluations. Source: Piegl and Tiller, The NURBS Book, section 6.1. Thread-safe. */
 GD_MUST_USE enum gd_status gd_parametric_nearest(const struct gd_parametric *surface,
                                                  struct gd_vec3 xyz,
                                                  const struct gd_control *control,
@@ -127,9 +127,10 @@ GD_MUST_USE enum gd_status gd_parametric_nearest(const struct gd_parametric *sur
 
 /* Creates a trimmed surface, which keeps `surface` alive. `surface` must not be trimmed. `control`
  * and `fault` may be NULL. Errors: GD_INVALID_ARGUMENT (a fault: counts, degrees, knots or weights
- * out of range, a loop that is not closed, crosses or touches itself or another loop, leaves the
- * domain, or a hole outside the outer loop or inside another hole), GD_NO_MEMORY, GD_CANCELLED,
- * GD_DEADLINE. The caller owns one reference of `*out`. Cost: a few milliseconds. Thread-safe. */
+ * out of range; a loop that is not closed, that leaves the domain, or that crosses or touches
+ * itself or another loop; a hole outside the outer loop or inside another hole), GD_NO_MEMORY,
+ * GD_CANCELLED, GD_DEADLINE. The caller owns one reference of `*out`. Cost: a few milliseconds.
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_parametric_trim(const struct gd_parametric *surface,
                                               const struct gd_trims *trims,
                                               const struct gd_control *control,

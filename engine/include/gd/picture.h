@@ -127,7 +127,7 @@ struct gd_picture {
  * free. `control` may be NULL. Errors: GD_INVALID_ARGUMENT (a member is out of range, or the field
  * belongs to another mesh), GD_BEYOND_REACH (a level exceeds the reach of a partial field),
  * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: O(faces + pixels + points of layers),
- * and for a field the distances at the pixels; for figures see engine/doc/025. Memory: about 64
+ * and for a field the distances at the pixels; engine/doc/025 has measured times. Memory: about 64
  * bytes a face, 17 a pixel, the isolines, and 40 bytes for each pixel that the longest line
  * crosses. Thread-safe. */
 GD_MUST_USE enum gd_status gd_picture_png(const struct gd_picture *picture,

@@ -1,9 +1,9 @@
 /* Surface point: a point of a mesh, which is a vertex, or lies on an edge or in a face. The
- * constructors determine its kind.
+ * constructors determine its `kind`.
  *
- * If a point lies on a vertex or an edge up to rounding, they move it onto this vertex or edge. So
- * later computations need no such test. `element` is an internal number of the mesh;
- * gd_point_describe converts a point to the caller's numbering. */
+ * If a point lies on a vertex or an edge up to rounding, the constructors move the point onto this
+ * vertex or edge. So later computations need no such test. `element` is an internal number of the
+ * mesh; gd_point_describe converts a point to the caller's numbering. */
 #ifndef GD_POINT_H
 #define GD_POINT_H
 

@@ -63,13 +63,16 @@ struct gd_pose {
 /* Lines or marks of one colour in a scene. Texts are printable ASCII. */
 struct gd_result_layer {
     const double (*points)[3]; /* finite */
-    /* Lines: count + 1 ascending offsets into `points`. NULL: the points are marks. */
+    /* For lines: count + 1 ascending offsets into `points`. NULL means that the points are
+       marks. */
     const uint32_t *first;
     uint32_t count; /* number of lines or marks */
     struct gd_colour colour;
-    const char *name;          /* of the node */
-    const char *label;         /* NULL: none */
-    const char *const *labels; /* of marks, NULL for those without; NULL: no mark has one */
+    const char *name;  /* name of the node */
+    const char *label; /* the extra `label`; NULL if there is none */
+    /* The extra `labels`: one label for each mark, or NULL for a mark without a label. The array is
+       NULL if no mark has a label. */
+    const char *const *labels;
 };
 
 /* All borrowed; missing parts are NULL or 0. */
@@ -91,10 +94,10 @@ struct gd_result {
        the line has the length 0, no object is written. */
     const struct gd_pose *poses;
     uint32_t pose_count;
-    /* of a scene; other formats than GLB leave them out */
+    /* layers of a scene; only GLB files have them */
     const struct gd_result_layer *layers;
     uint32_t layer_count;
-    const struct gd_colour *colour; /* of a mesh without distances; NULL: white */
+    const struct gd_colour *colour; /* for a mesh without distances; NULL means white */
 };
 
 /* Writes a result. `*out` is allocated by malloc and owned by the caller. Errors:

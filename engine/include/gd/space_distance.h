@@ -17,8 +17,8 @@ GD_EXTERN_C_BEGIN
 
 #define GD_SPACE_CURVE_COUNT_MAX 65536
 
-/* A B-spline in space, borrowed. Degree 0 with one point and no knots represents a point; degree 1,
- * a polyline. */
+/* A B-spline in space, borrowed. Degree 0 with one point and no knots represents a point. Degree 1
+ * represents a polyline. */
 struct gd_space_curve {
     uint32_t degree, count;
     const double *knots; /* count + degree + 1 */

@@ -77,12 +77,12 @@ struct gd_trace {
 /* Frees the path and zeroes the struct. NULL is allowed. */
 void gd_trace_free(struct gd_trace *trace);
 
-/* Traces the line of the request. `control` and `detail` may be NULL. Lengths
- * are compensated sums: even a long line has the requested length to the last bits. The caller
- * frees `*out` by gd_trace_free. Errors: GD_INVALID_ARGUMENT (a length that is negative or not
- * finite, an angle that is not finite), GD_NOT_ON_SURFACE (the direction leads over the boundary),
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. O(points), plus with
- * stop_at_self_intersection the pairs of segments in one face; 32 bytes a point. Thread-safe. */
+/* Traces the line of the request. `control` and `detail` may be NULL. Lengths are compensated sums:
+ * even a long line has the requested length to the last bits. The caller frees `*out` by
+ * gd_trace_free. Errors: GD_INVALID_ARGUMENT (a length that is negative or not finite, an angle
+ * that is not finite), GD_NOT_ON_SURFACE (the direction leads over the boundary), GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: O(points), and with stop_at_self_intersection also
+ * O(pairs of segments in one face); 32 bytes a point. Thread-safe. */
 GD_MUST_USE enum gd_status gd_trace_follow(const struct gd_mesh *mesh,
                                            const struct gd_trace_request *request,
                                            const struct gd_control *control, struct gd_trace *out,

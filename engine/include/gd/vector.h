@@ -88,8 +88,8 @@ struct gd_vector gd_vector_combine(const struct gd_mesh *mesh, const struct gd_p
  * they are NAN and 0. For an unreferenced vertex, both are NAN. If several shortest paths lead to a
  * vertex, the result belongs to one of them, which may differ from the path of gd_field_path. The
  * function follows a path only to the first face with a known direction, so the cost is about O(n
- * log n) in all. Errors: GD_INVALID_ARGUMENT (another kind of field), GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. */
+ * log n) in all. Errors: GD_INVALID_ARGUMENT (a partial field, several seeds, a segment or an
+ * offset), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. */
 GD_MUST_USE enum gd_status gd_vector_log_all(const struct gd_field *field,
                                              const struct gd_control *control, double *angles,
                                              double *lengths, struct gd_detail *detail);
