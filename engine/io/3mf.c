@@ -80,8 +80,8 @@ static int compare_objects(const void *a, const void *b, void *package)
     return compare_ids(x->part, x->id, y->part, y->id);
 }
 
-/* Returns the object with that id, or GD_NONE if there is none. `order`: objects sorted by part and
- * id. */
+/* Returns the object with that id, or GD_NONE if there is none. `order` lists the objects, sorted
+ * by part and id. */
 static uint32_t find_object(const struct gd__3mf *package, const uint32_t *order, uint32_t part,
                             uint32_t id)
 {

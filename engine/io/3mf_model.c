@@ -397,7 +397,8 @@ static void parse(struct model *model)
              "again");
 }
 
-/* Parses the file of the archive whose name is the part's name. GD_EMPTY: there is no such file. */
+/* Parses the file of the archive whose name is the part's name. Error: GD_EMPTY (there is no such
+ * file). */
 static enum gd_status read_part(struct model *model, XML_StartElementHandler begin)
 {
     struct gd__3mf *package = model->package;

@@ -9,7 +9,7 @@
 #include "io/base64.h"
 #include "io/endian.h"
 
-/* largest whole number up to which all whole numbers are exact in JSON */
+/* all whole numbers up to this number are exact in JSON */
 #define LARGEST_WHOLE (UINT64_C(1) << 53)
 
 /* --- buffers ---------------------------------------------------------------------------------- */

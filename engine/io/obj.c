@@ -115,9 +115,9 @@ struct part {
 };
 
 struct parts {
-    struct gd__builder *builder; /* of the whole text */
+    struct gd__builder *builder; /* builder of the whole text */
     pthread_t caller;
-    enum gd_status status; /* of the caller's control */
+    enum gd_status status; /* status of the caller's control */
     /* Number of parts that can be appended: all before the first part that could not be read. Later
        parts are not read. */
     atomic_uint good;
@@ -133,7 +133,7 @@ static void part_fail(const struct part *part)
         continue;
 }
 
-/* Progress of a part. Checks the caller's control on the caller's thread. */
+/* Receives the progress of a part. On the caller's thread, checks the caller's control. */
 static bool part_go_on(void *user, double fraction)
 {
     const struct part *part = user;

@@ -16,7 +16,7 @@ struct gd__output {
     size_t size, capacity, limit;
     const struct gd_control *control; /* NULL means no control */
     bool failed;
-    enum gd_status status; /* reason of the failure; GD_OK: out of memory */
+    enum gd_status status; /* reason of the failure; GD_OK means out of memory */
 };
 
 /* Reserves room for the first `size` bytes, on huge pages. The call is optional. Without the call,

@@ -105,7 +105,7 @@ static bool at_joint(const struct gd__scan *scan)
            gd__is_newline(scan->at[1]);
 }
 
-/* Skips characters of a kind. */
+/* Skips the characters for which `is_of_kind` returns true. */
 static inline void skip_run(struct gd__scan *scan, bool (*is_of_kind)(char c))
 {
     for (;;) {

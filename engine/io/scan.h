@@ -20,7 +20,7 @@ struct gd__scan {
     /* true if errors name bytes instead of lines; for binary data, and for JSON, which is often one
        long line */
     bool by_byte;
-    bool comments; /* true: '#' begins a comment, which ends at the end of the line */
+    bool comments; /* true if '#' begins a comment, which ends at the end of the line */
     /* true if a backslash at the end of a line continues the line on the next one */
     bool continued;
     /* deadline as in struct gd_control; checked at intervals while input is skipped; 0 means

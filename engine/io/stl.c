@@ -2,8 +2,8 @@
  * welded. Normals and attributes are skipped.
  *
  * Binary files may also begin with "solid", and may have bytes behind their last triangle. So the
- * input is binary in three cases: its size is exactly the size for the count of triangles in it, it
- * does not begin with "solid", or it has a NUL where text cannot have one. */
+ * input is binary in three cases: its size is exactly the size of a file with the declared number
+ * of triangles, it does not begin with "solid", or it has a NUL where text cannot have one. */
 #include "io/readers.h"
 
 #include <string.h>
