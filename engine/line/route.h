@@ -33,7 +33,7 @@ GD_MUST_USE enum gd_status gd__route_join(struct gd__route *route, const struct 
                                           uint32_t count, double length, bool backwards,
                                           const struct gd_control *control);
 
-/* Returns true if a comes after b in a fixed order of all points. A line between two points is
+/* Returns true if `a` comes after `b` in a fixed order of all points. A line between two points is
  * always computed from the point that comes first in this order. So the line from a to b has the
  * same points as the line from b to a. */
 bool gd__point_follows(const struct gd_point *a, const struct gd_point *b);
@@ -66,9 +66,9 @@ static inline uint32_t gd__route_bend(const struct gd_point *points, uint32_t co
 
 /* Compute the directions of the ends of a geodesic of at least two points, as turns (turn.h).
  * gd__route_ahead computes the turn in which the geodesic leaves its first point. gd__route_back
- * computes the turn at its last point that leads back along the geodesic. To be precise, both
- * unfold the geodesic from this end to the nearest vertex on it. GD_INTERNAL: two points have no
- * common face. */
+ * computes the turn at its last point that leads back along the geodesic. For precision, both
+ * functions unfold the geodesic from this end to the nearest vertex on it. Error: GD_INTERNAL (two
+ * points have no common face). */
 GD_MUST_USE enum gd_status gd__route_ahead(const struct gd_mesh *mesh,
                                            const struct gd_point *points, uint32_t count,
                                            double *out);

@@ -87,8 +87,8 @@ enum hold { HOLD_TAUT, HOLD_LOOSE, HOLD_WOUND };
 
 /* Returns the state of a corner. `from` and `to` are the corner's neighbours on the line. The angle
  * of the line at the vertex, measured within the strip, is at least pi. But it is computed only up
- * to whole turns around the vertex. So if the computed angle is less than pi, the strip contains a
- * whole turn. */
+ * to whole revolutions around the vertex. So if the computed angle is less than pi, the strip
+ * contains a whole revolution. */
 static enum hold hold_of(const struct gd_mesh *mesh, const struct gd__strip *strip,
                          const struct gd__corner *corner, const struct row *row,
                          struct gd__local from, struct gd__local to)
@@ -105,7 +105,8 @@ static enum hold hold_of(const struct gd_mesh *mesh, const struct gd__strip *str
            other = corner->is_left ? bend.left : bend.right;
     uint32_t faces = mesh->fan_first[row->vertex + 1] - mesh->fan_first[row->vertex],
              portals = row->last - row->first + 1;
-    /* a whole turn has one portal less if the line runs along an edge to the vertex and back */
+    /* a whole revolution has one portal less if the line runs along an edge to the vertex and
+       back */
     bool is_whole_turn = inside < M_PI - GD_TOL_BEND && portals + 1 >= faces;
     if (is_whole_turn && portals >= faces) return HOLD_WOUND;
     return is_whole_turn || other < M_PI - GD_TOL_BEND ? HOLD_LOOSE : HOLD_TAUT;
@@ -123,7 +124,7 @@ static enum gd_status copy_gates(struct gd__straightener *s, uint32_t begin, uin
 }
 
 /* Moves the strip to the other side of a corner. A strip that winds around the vertex stays on its
- * side, but one turn is removed. */
+ * side, but one revolution is removed. */
 static enum gd_status go_round(struct gd__straightener *s, const struct gd__corner *corner,
                                const struct row *row, enum hold hold)
 {

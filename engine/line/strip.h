@@ -26,22 +26,22 @@ GD_MUST_USE enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side
                                           const struct gd_control *control);
 
 /* Appends the portals around a vertex from one of its faces to another. Counter-clockwise, the
- * vertex is the left end of these portals; clockwise, it is their right end. GD_INTERNAL: the
- * mesh's boundary is between the two faces. O(portals). */
+ * vertex is the left end of these portals; clockwise, it is their right end. Error: GD_INTERNAL
+ * (the mesh's boundary is between the two faces). O(portals). */
 GD_MUST_USE enum gd_status gd__strip_wind(const struct gd_mesh *mesh, struct gd__strip *strip,
                                           uint32_t vertex, uint32_t from_face, uint32_t to_face,
                                           bool counter_clockwise, const struct gd_control *control);
 
 /* Builds the strip along a route of at least two points. At a vertex of the route, the strip passes
- * the vertex on the side with fewer faces. Reuses the strip's memory. GD_INTERNAL: two consecutive
- * points have no common face. O(points + faces around the vertices). */
+ * the vertex on the side with fewer faces. Reuses the strip's memory. Error: GD_INTERNAL (two
+ * consecutive points have no common face). O(points + faces around the vertices). */
 GD_MUST_USE enum gd_status gd__strip_along(const struct gd_mesh *mesh,
                                            const struct gd__route *route, struct gd__strip *strip,
                                            const struct gd_control *control);
 
 /* Removes unnecessary portals at both ends of the strip: those at the beginning that contain the
  * line's first point, and those at the end that contain its last point. Then unfolds the strip.
- * GD_INTERNAL: not a valid strip. O(count). */
+ * Error: GD_INTERNAL (not a valid strip). O(count). */
 GD_MUST_USE enum gd_status gd__strip_lay(const struct gd_mesh *mesh, struct gd__strip *strip);
 
 /* Returns side 0 of the strip's first face as a portal. The plane has the frame of this side. */

@@ -16,7 +16,7 @@ struct gd__straight {
 };
 
 /* Computes the straight line for at least two points of a path. All points except the first and the
- * last must be points of edges. GD_INTERNAL: two consecutive points have no common face.
+ * last must be points of edges. Error: GD_INTERNAL (two consecutive points have no common face).
  * O(count). */
 GD_MUST_USE enum gd_status gd__unfold(const struct gd_mesh *mesh, const struct gd_point *points,
                                       uint32_t count, struct gd__straight *out);
