@@ -54,7 +54,7 @@ struct gd__loop_place {
     bool is_corner;  /* s is the end of a span, to GD_TOL_LOOP_PLACE */
 };
 
-/* Errors and fault: those of gd_parametric_trim. */
+/* Creates the loops of a domain. Errors and fault are those of gd_parametric_trim. */
 GD_MUST_USE enum gd_status gd__loops_create(const double low[2], const double high[2],
                                             const struct gd_trims *trims, struct gd__pace *pace,
                                             struct gd__loops **out, struct gd_trim_fault *fault);
@@ -65,8 +65,8 @@ void gd__loops_free(struct gd__loops *loops); /* NULL is harmless */
 enum gd_status gd__loops_fail(struct gd_trim_fault *fault, uint32_t loop, uint32_t curve,
                               const char *format, ...) __attribute__((format(printf, 4, 5)));
 
-/* Checks that loops do not cross or touch, and that they are nested properly; turns them so that
- * the domain is on their left. */
+/* Checks that loops do not cross or touch, and that they are nested properly. Reverses loops such
+ * that the domain is on their left. */
 GD_MUST_USE enum gd_status gd__loops_check(struct gd__loops *loops, struct gd__pace *pace,
                                            struct gd_trim_fault *fault);
 

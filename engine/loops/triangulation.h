@@ -21,8 +21,9 @@ struct gd__triangulation {
     uint32_t (*triangles)[3]; /* counter-clockwise; owned */
 };
 
-/* Errors: GD_RUNAWAY (segments cross, or a point lies on a segment), GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE. About O(points) if neighbouring points follow one another. */
+/* Triangulates the points, and selects the triangles inside the loops. Errors: GD_RUNAWAY (segments
+ * cross, or a point lies on a segment), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. About
+ * O(points) if neighbouring points follow one another. */
 GD_MUST_USE enum gd_status gd__loops_triangulate(const struct gd__triangulation_input *input,
                                                  struct gd__pace *pace,
                                                  struct gd__triangulation *out);
