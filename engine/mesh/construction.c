@@ -43,8 +43,8 @@ static uint64_t most_edges(uint64_t faces, uint64_t vertices)
     return (3 * faces + referenced) / 2;
 }
 
-/* Bytes of memory for each vertex, edge and face, in the mesh and in the working arrays of the
- * steps; and bytes of the table of interval.c. */
+/* Bytes of memory for each vertex, edge and face. They include the mesh and the working arrays of
+ * the steps. COST_FIXED is the size of the table of interval.c. */
 #define COST_VERTEX 90
 #define COST_FACE   170
 #define COST_EDGE   170

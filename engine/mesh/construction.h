@@ -47,8 +47,8 @@ struct gd__construction {
        they are triangles and nothing is merged or repaired */
     uint32_t (*triangle)[3];
     uint32_t (*corner)[3]; /* for each face, its vertices; counter-clockwise from gd__orient on */
-    /* per face side 3 f + k, from corner k to k + 1: the matching side of the neighbour, or GD_NONE
-       if there is none */
+    /* for side 3 f + k (from corner k of face f to corner k + 1), the same side in the neighbouring
+       face, or GD_NONE if there is none */
     uint32_t *neighbour;
     uint32_t *component; /* for each face, number of its component */
     uint32_t component_count;
@@ -67,7 +67,7 @@ void *gd__mesh_array(struct gd__construction *work, size_t count, size_t size);
 /* Like gd__mesh_array, for sides: aligned to cache lines, not zeroed. */
 struct gd_side *gd__mesh_sides(struct gd__construction *work, size_t count);
 
-/* Allocates an array for the time of the build, uninitialised. NULL: out of memory. */
+/* Allocates an array for the time of the build, uninitialised. Returns NULL if out of memory. */
 void *gd__scratch_array(struct gd__construction *work, size_t count, size_t size);
 
 /* Returns GD_BUDGET if building a mesh of that size would exceed the budget. */

@@ -256,7 +256,7 @@ static struct heading mesh_direction_project(const struct sector *sector, struct
     return heading;
 }
 
-/* Returns true if a approximates the given vector better than b. A heading inside its sector is
+/* Returns true if `a` approximates the given vector better than `b`. A heading inside its sector is
  * better than one outside. If both are inside, the heading with the smaller deviation is better. */
 static bool mesh_direction_is_better(const struct heading *a, const struct heading *b)
 {

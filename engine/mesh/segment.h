@@ -41,8 +41,8 @@ bool gd__segment_locate_elsewhere(const struct gd_mesh *mesh, const struct gd_po
 
 /* Finds the edge or the face of the segment from a to b. Returns false and leaves `out` unchanged
  * if a and b are the same point or no face contains both. O(1); O(fan) between vertices. Only the
- * case of two points on different edges is inline, because most segments of a curve are of this
- * kind. */
+ * case of two points on different edges is inline, because most segments of a curve join two
+ * different edges. */
 static inline bool gd__segment_locate(const struct gd_mesh *mesh, const struct gd_point *a,
                                       const struct gd_point *b, struct gd__segment_location *out)
 {

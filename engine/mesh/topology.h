@@ -77,8 +77,8 @@ struct gd_mesh {
     uint32_t *vertex_component;
     uint32_t *fan_first; /* for each vertex, its first entry in `fan`; vertex_count + 1 entries */
     struct gd_fan *fan;  /* 3 face_count entries */
-    /* for each fan entry: let e be the edge of its face opposite to the vertex; the entry is the
-       apex of the face on the other side of e, or GD_NONE if e is a boundary edge */
+    /* For each fan entry, let e be the edge of its face opposite to the vertex. The item is the
+       apex of the face on the other side of e, or GD_NONE if e is a boundary edge. */
     uint32_t *beyond;
 
     struct gd_side *side; /* 2 edge_count entries, 64-byte aligned */
