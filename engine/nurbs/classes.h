@@ -18,7 +18,7 @@ struct gd__class {
  * arcs. */
 #define GD__CLASS_SHAPES 3
 
-/* Makes initial path `shape` of a class. Error: GD_NO_MEMORY. */
+/* Computes initial path `shape` of a class. Error: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__class_seed(const struct gd_domain_curve *const ends[2],
                                           const struct gd__class *in, uint32_t shape,
                                           struct gd__path_seed *out);

@@ -188,9 +188,9 @@ void gd__taut_parts_free(struct gd__taut_parts *parts)
     *parts = (struct gd__taut_parts){0};
 }
 
-/* Returns the direction of a contact at place i of a polyline: 1 if the polyline turns right there,
- * -1 if it turns left. If it is straight there, returns 1 if it runs in the direction of the loop,
- * and -1 otherwise. */
+/* Returns the direction of a contact at place i of a polyline: 1 if the polyline bends to the right
+ * at this place, -1 if it bends to the left. If it is straight there, returns 1 if it runs in the
+ * direction of the loop, and -1 otherwise. */
 static int touch_direction(const struct gd_parametric *surface,
                            const struct gd__uv_polyline *polyline, uint32_t i,
                            const struct gd__loop_place *place)
@@ -209,8 +209,8 @@ static int touch_direction(const struct gd_parametric *surface,
     return along >= 0 ? 1 : -1;
 }
 
-/* Returns the change of s from one place of a loop to another, in the direction in which it is
- * shorter. */
+/* Returns the change of s from one place of a loop to another, along the shorter way around the
+ * loop. */
 static double loop_step(const struct gd__loops *loops, const struct gd__loop_place *from,
                         const struct gd__loop_place *to)
 {

@@ -13,7 +13,7 @@ struct gd_domain_curve {
     double (*points)[2];
     bool is_point, closed;
     double low, high;
-    double winding[2]; /* for a closed curve: the change of (u, v) after one turn, whole periods */
+    double winding[2]; /* for a closed curve: the change of (u, v) after one period */
     /* The curve is smooth and stays in one cell of the surface between consecutive breaks. */
     uint32_t break_count; /* at least 2 */
     double *breaks;
@@ -25,8 +25,8 @@ struct gd__curve_jet {
     double at[2], first[2], second[2];
 };
 
-/* Evaluates a curve. On a closed curve s may be outside the range; each further turn adds `winding`
- * to (u, v). */
+/* Evaluates a curve. On a closed curve s may be outside the range; each period beyond it adds
+ * `winding` to (u, v). */
 void gd__curve_jet(const struct gd_domain_curve *curve, double s, struct gd__curve_jet *out);
 
 /* Evaluates the polynomial between breaks[i] and breaks[i + 1], also at these breaks and slightly

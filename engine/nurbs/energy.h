@@ -35,7 +35,7 @@ void gd__energy_expand(const struct gd__chain *chain, const struct gd__piece *pi
                        enum gd__hessian kind, struct gd__energy *out);
 
 /* Integrates the squared geodesic curvature over the arc length of one span, and computes the
- * span's length. do Carmo, Curves and Surfaces, section 4-4. */
+ * span's length. Source: do Carmo, Curves and Surfaces, section 4-4. */
 void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
                      double *bend, double *length);
 

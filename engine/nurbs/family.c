@@ -6,12 +6,12 @@
 
 enum { STEPS = 64, PARTS = 8 };
 
-/* As a fraction of the path's length: if the middle of a path is nearer than this to the middle of
- * a member of a family, the path is this member itself. It does not prove that there are paths
+/* A fraction of the path's length. If the middles of a path and of a member of a family are nearer
+ * to each other than this, the path is this member itself. It does not prove that there are paths
  * between the members. */
 static const double apart = 1e-4;
-/* As a fraction of the distance between the ends of two paths: the end of a path between them may
- * be this far from the middle of their ends. */
+/* A fraction of the distance between the ends of two paths. A path between the two may end this far
+ * from the point midway between their ends. */
 static const double still = 0.1;
 /* Polylines between members of a family are longer than the members by less than this fraction. */
 static const double bulge = 0.02;
@@ -42,7 +42,7 @@ static void put_ends_between(const struct gd_domain_curve *const ends[2],
     }
 }
 
-/* Makes the polyline between two paths at the fraction `part`. */
+/* Computes the polyline between two paths at the fraction `part`. */
 static enum gd_status seed_between(const struct gd_domain_curve *const ends[2],
                                    const struct gd__candidate *const pair[2], double part,
                                    struct gd__path_seed *seed)

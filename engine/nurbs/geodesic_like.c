@@ -17,7 +17,7 @@
 #include "nurbs/trim.h"
 
 enum {
-    /* initial paths of a class begin and end at this number of pairs of places of the two curves */
+    /* number of pairs of places, one on each curve, that the initial paths of a class join */
     CLASS_PLACES = 2,
     TRIMS_MOST = 8 /* largest number of times that a path is trimmed */
 };
@@ -26,8 +26,8 @@ enum {
 static const double hopeless = 1.01;
 /* replaces `hopeless` if a candidate passes near a pole, where coarse curves are too long */
 static const double hopeless_by_pole = 1.08;
-/* As a fraction of the length: two candidates are the same path if their lengths differ by less
- * than this, and the distances between their points at a quarter and at the middle are below the
+/* A fraction of the length. Two candidates are the same path if their lengths differ by less than
+ * this, and if the distances between their points at a quarter and at the middle are below the
  * square root of this fraction. */
 static const double twins = 1e-7;
 /* replaces `twins` for a candidate that converges to a path through a pole */

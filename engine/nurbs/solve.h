@@ -37,9 +37,9 @@ GD_MUST_USE enum gd_status gd__solve_coarse(const struct gd__task *task,
 GD_MUST_USE enum gd_status gd__solve_fine(const struct gd__task *task,
                                           struct gd__solution *solution);
 
-/* Returns true if the curve bends much more than a curve that is nearly a geodesic. The reason is
- * that it shrank into a pole or did not converge. A curve with a requested number of control points
- * may bend. Ends early if the chain's pace stops. */
+/* Returns true if the curve bends much more than a curve that is nearly a geodesic. Such a curve
+ * shrank into a pole or did not converge. A curve with a requested number of control points may
+ * bend. Ends early if the chain's pace stops. */
 bool gd__solution_is_bent(const struct gd__task *task, const struct gd__solution *solution);
 
 #endif

@@ -80,8 +80,8 @@ static bool space_is_held(const struct bit *bit, double s, double gradient)
     return (s <= bit->low && gradient >= 0) || (s >= bit->high && gradient <= 0);
 }
 
-/* Computes the step for 1/2 |a(s) - b(t)|^2 in the free parameters: Newton's if the full Hessian is
- * positive, else Gauss-Newton's. */
+/* Computes the step for 1/2 |a(s) - b(t)|^2 in the free parameters: Newton's step if the full
+ * Hessian is positive, otherwise the Gauss-Newton step. */
 static void space_step_of(const struct look *a, const struct look *b, const struct bit *p,
                           const struct bit *q, const double at[2], double step[2])
 {

@@ -37,8 +37,8 @@ static inline void gd__node_parameters(const struct gd_tessellation *t, uint32_t
     uv[1] = t->node_uv ? t->node_uv[node][1] : grid->at[1][node % (grid->steps[1] + 1)];
 }
 
-/* Makes nodes, vertices and faces of a trimmed surface, from the grid. The boundary edges deviate
- * from the loops by at most GD__LOOPS_SAG. Errors: GD_TOO_LARGE, GD_INTERNAL, GD_NO_MEMORY,
+/* From the grid, computes the nodes, vertices and faces for a trimmed surface. The boundary edges
+ * deviate from the loops by at most GD__LOOPS_SAG. Errors: GD_TOO_LARGE, GD_INTERNAL, GD_NO_MEMORY,
  * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__tessellation_trim(struct gd_tessellation *tessellation,
                                                  const struct gd_control *control);

@@ -9,7 +9,7 @@
 
 /* Smallest ratio of the two widths of the lattice. */
 static const double least_width = 1.0 / 16;
-/* Grid nodes that are nearer to a loop than this are omitted. In grid steps. */
+/* Grid nodes that are nearer to a loop than this number of grid steps are omitted. */
 static const double clearance = 0.5;
 
 enum { MARKS_A_STEP = 4 };
@@ -225,7 +225,7 @@ static void make_faces(struct gd_tessellation *t, const struct gd__triangulation
     }
 }
 
-/* Makes a node of each place that is a corner of a triangle, and renumbers these places. */
+/* Creates a node for each place that is a corner of a triangle, and renumbers these places. */
 static enum gd_status take_nodes(struct meshing *m)
 {
     struct gd_tessellation *t = m->t;
