@@ -1,4 +1,4 @@
-/* Site: a place of the plane with integer coordinates, so that every orientation test is exact.
+/* Site: a position of the plane with integer coordinates, so that every orientation test is exact.
  * Determinants of 51-bit differences fit into 128 bits. */
 #ifndef GD_PLANE_SITE_H
 #define GD_PLANE_SITE_H

@@ -99,8 +99,8 @@ void gd__plane_begin(struct gd__plane *plane, const uint32_t corner[3])
 
 /* --- flips ------------------------------------------------------------------------------------ */
 
-/* Two triangles at a common side a-b: t is abc, and `other` is bad. m is the side's number in
- * `other`. */
+/* Two triangles at a common side a-b: t has the corners a, b, c, and `other` has the corners b, a,
+ * d. m is the side's number in `other`. */
 struct quad {
     uint32_t t, other, a, b, c, d, k, m;
 };

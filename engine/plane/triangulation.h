@@ -60,9 +60,9 @@ size_t gd__plane_bytes(uint32_t capacity);    /* size of the arrays */
 /* Begins with one triangle. */
 void gd__plane_begin(struct gd__plane *plane, const uint32_t corner[3]);
 
-/* Inserts a site, and flips bad sides. Sets *same to the inserted site at the same place, or to `s`
- * if there is none. Errors: GD_RUNAWAY (the site lies outside the large triangle), GD_CANCELLED,
- * GD_DEADLINE. */
+/* Inserts a site, and flips bad sides. Sets *same to the inserted site at the same position, or to
+ * `s` if there is none. Errors: GD_RUNAWAY (the site lies outside the large triangle),
+ * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__plane_insert(struct gd__plane *plane, uint32_t s, uint32_t *same);
 
 /* Changes the triangulation such that the segment between two sites is a side of triangles. Errors:
