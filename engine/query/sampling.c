@@ -45,7 +45,8 @@ static enum gd_status find_next(const struct sampler *sampler, const struct gd_f
     return GD_OK;
 }
 
-/* Builds the field of the samples and adds the next sample. This is two parts of the progress. */
+/* Builds the field of the samples, and adds the next sample. Each of these steps is one part of the
+ * progress. */
 static enum gd_status add_point(struct sampler *sampler, struct gd__share *share,
                                 const struct gd_control *control)
 {

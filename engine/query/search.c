@@ -27,7 +27,7 @@ struct search {
     double distance; /* distance found, in the normalised unit */
 };
 
-/* Makes a field of the wavefront's arrays. The workspace still owns the arrays. */
+/* Creates a field that borrows the wavefront's arrays. The workspace still owns the arrays. */
 static enum gd_status view(const struct search *search, const struct gd_workspace *work,
                            struct gd_field *field)
 {
