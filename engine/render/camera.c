@@ -4,8 +4,9 @@
 
 /* If the sine of the angle between `up` and the line of sight is smaller, `up` is not used. */
 #define PARALLEL 1e-6
-/* How far beyond the surface the points of layers enlarge the view, relative to the surface. The
- * control mesh of a tetrahedron is about four times as large as its limit surface. */
+/* Points of layers enlarge the view up to this distance beyond the surface, relative to the
+ * surface's size. The control mesh of a tetrahedron is about four times as large as its limit
+ * surface. */
 #define BEYOND 2
 
 static const struct gd_vec3 x_axis = {1, 0, 0}, y_axis = {0, 1, 0};

@@ -41,8 +41,8 @@ void gd__camera_fit(struct gd__camera *camera, const struct gd_mesh *mesh,
                     const struct gd_picture_layer *layers, uint32_t layer_count,
                     const struct gd__viewport *window);
 
-/* Magnifies the fitted projection. `middle` (NULL: the middle of the viewport stays) becomes the
- * viewport's middle; normalised unit. */
+/* Magnifies the fitted projection, and moves the position `middle` (normalised unit) to the middle
+ * of the viewport. If `middle` is NULL, the position in the middle stays there. */
 void gd__camera_zoom(struct gd__camera *camera, const struct gd__viewport *window, double zoom,
                      const struct gd_vec3 *middle);
 

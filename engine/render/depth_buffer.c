@@ -7,10 +7,10 @@
 /* A place on the surface counts as visible if its depth exceeds the depth of its pixel's sample by
  * at most SLACK, plus the face's steepness times AWAY. */
 #define SLACK 1.0 /* pixels of depth */
-/* pixels: largest distance between a place and its pixel's sample, from corner to corner */
+/* largest distance between a place and its pixel's sample, from corner to corner, in pixels */
 #define AWAY     1.5
 #define STEEPEST 16.0
-#define STEP     0.5 /* pixels: distance of tested places along a line */
+#define STEP     0.5 /* distance of tested places along a line, in pixels */
 /* number of tested places of the shortest piece that keeps its own visibility */
 enum { SHORTEST = 6 };
 

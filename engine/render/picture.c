@@ -71,7 +71,7 @@ static uint32_t list_points(const struct studio *studio, uint64_t stride, struct
 }
 
 /* Lists the positions that should be visible: the path, or points of the layers, or the source of
- * the field. The caller frees `out->points`. The count is 0 without all three. */
+ * the field. The caller frees `out->points`. The count is 0 if there is none of the three. */
 static enum gd_status find_subject(struct studio *studio, struct gd__subject *out)
 {
     const struct gd_path *path = studio->picture->path;

@@ -135,7 +135,7 @@ enum gd_status gd__raster_fill(struct gd__raster *raster, uint32_t band,
 /* --- the bands' faces ------------------------------------------------------------------------- */
 
 struct span {
-    uint32_t from, to; /* the bands [from, to) that the face meets; equal: none */
+    uint32_t from, to; /* the bands [from, to) that the face meets; none if both are equal */
 };
 
 /* Returns twice the area of a face in the picture; positive if the face is seen from outside. */

@@ -110,7 +110,7 @@ bool gd__request_is_sound(const struct gd_picture *picture)
 
 /* --- layers ----------------------------------------------------------------------------------- */
 
-/* Makes the layer of the picture's path. */
+/* Creates the layer of the picture's path. */
 static enum gd_status path_open(struct gd__layer_list *list, const struct gd_picture *picture,
                                 struct gd__budget *budget)
 {

@@ -15,8 +15,8 @@ uint32_t gd__request_height(const struct gd_picture *picture);
 struct gd__palette gd__request_palette(const struct gd_picture *picture);
 struct gd__scale gd__request_scale(const struct gd_picture *picture); /* there must be a field */
 
-/* The layers in the order of drawing: first the path, if there is one. All zero: empty. A list that
- * is open must not be moved. */
+/* The layers in the order of drawing: first the path, if there is one. An all-zero list is empty. A
+ * list that is open must not be moved. */
 struct gd__layer_list {
     struct gd__layer *items;
     uint32_t count;
@@ -42,7 +42,7 @@ struct gd__isoline_request { /* all borrowed */
     const struct gd__scale *scale;
     struct gd__share *share; /* one part for the index, and one for each isoline */
     struct gd__budget *budget;
-    double tolerance; /* of the polylines, in the caller's unit */
+    double tolerance; /* tolerance of the polylines, in the caller's unit */
     enum gd_status (*take)(void *own, const struct gd_path *line);
     void *own;
 };

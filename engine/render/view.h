@@ -12,8 +12,8 @@ struct gd__subject {
 };
 
 /* Tries the iso view, then others around the surface, at a small size, until 95 % of the subject is
- * visible. Sets *out to the best direction. Errors:
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: up to 16 times O(faces). */
+ * visible. Sets *out to the best direction. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE. Cost: O(faces) for each of up to 16 directions. */
 GD_MUST_USE enum gd_status gd__view_choose(const struct gd_mesh *mesh, struct gd_vec3 up,
                                            const struct gd__subject *subject,
                                            struct gd__budget *budget,
