@@ -29,7 +29,7 @@ static inline void gd__place_on_side(uint32_t arity, uint32_t k, double m, doubl
     out[1] = arity == 4 ? quad[k][1] : triangle[k][1];
 }
 
-/* (s,t) lies on side k. Returns its parameter along the side. */
+/* Returns the parameter along side k of a place (s,t) on this side. */
 static inline double gd__along_side(uint32_t arity, uint32_t k, double s, double t)
 {
     if (arity == 3) return k == 0 ? s : k == 1 ? t : 1 - t;

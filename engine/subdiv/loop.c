@@ -145,7 +145,7 @@ struct term {
 
 /* Adds the point times a sum of terms. A term is a product of powers of three variables. x, y, z
  * are the numbers of the corners whose barycentric coordinates are the values of these variables.
- * The basis: Stam, Evaluation of Loop subdivision surfaces (1998), appendix A. */
+ * Source of the basis: Stam, Evaluation of Loop subdivision surfaces (1998), appendix A. */
 static void add_terms(struct gd__patch *out, struct gd_vec3 point, const struct term *terms,
                       int count, int x, int y, int z)
 {

@@ -64,10 +64,10 @@ void gd__neighbourhood_extract(struct gd__walker *walker, const struct gd__net *
 void gd__descend(struct gd__walker *walker, uint32_t from, uint32_t child, uint32_t to,
                  struct gd_vec3 *origin);
 
-/* Returns true if the surface over face 0 is one polynomial. Each corner must be of one of these
- * kinds: an interior vertex of regular valence without sharp edges; a vertex on an infinitely sharp
- * crease with the regular number of faces on this side; or, with Catmull-Clark, a sharp corner with
- * only one face. */
+/* Returns true if the surface over face 0 is one polynomial. Each corner must be one of these: an
+ * interior vertex of regular valence without sharp edges; a vertex on an infinitely sharp crease
+ * with the regular number of faces on this side; or, with Catmull-Clark, a sharp corner with only
+ * one face. */
 bool gd__ring_is_regular(const struct gd__net *ring, struct gd__fan *fan);
 
 /* The surface at a vertex, as the corner of one face: the position, the normal, and the unit
