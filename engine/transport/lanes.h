@@ -1,5 +1,5 @@
-/* Lanes: independent items of work, one after the other or, with an executor, two at a time.
- * Two are the most, because a workspace has only one partner workspace. */
+/* Lanes: makes independent items one after the other or, with an executor, two at a time. More than
+ * two are not possible, because a workspace has only one partner workspace. */
 #ifndef GD_TRANSPORT_LANES_H
 #define GD_TRANSPORT_LANES_H
 
@@ -13,7 +13,7 @@ struct gd__lanes {                      /* all borrowed for the call */
     const struct gd_control *control;   /* the control of `share` */
     struct gd__share *share;            /* each item is one part */
     uint32_t count;
-    /* Makes item `i`, unless it is made already. `lane` is 0 or 1 if two items are made at a time,
+    /* Makes item `i`, unless it exists already. `lane` is 0 or 1 if two items are made at a time,
        otherwise GD__LANE_ALONE. A lane makes one item after the other. */
     enum gd_status (*make)(void *context, uint32_t lane, uint32_t i,
                            const struct gd_control *control);

@@ -64,7 +64,7 @@ static enum gd_status look_beside(struct map *map, uint32_t vertex)
     return status;
 }
 
-/* Returns the place of the source in the frame of the walk's side. */
+/* Returns the position of the source in the frame of the walk's side. */
 static struct gd__local source_of(const struct wedge_view *sight)
 {
     return (struct gd__local){sight->walk.t + sight->rest * sight->walk.dx,

@@ -114,8 +114,8 @@ static enum gd_status mean_step(const struct finder *finder, const struct view *
     return GD_OK;
 }
 
-/* Returns true if a is better than b. Near a minimum, f is constant up to rounding; the slopes are
- * compared then. */
+/* Returns true if `a` is better than `b`. Near a minimum, f is constant up to rounding; the slopes
+ * are compared then. */
 static bool mean_is_better(const struct view *a, const struct view *b)
 {
     double noise = GD_TOL_HIT * b->value;
@@ -151,7 +151,7 @@ static enum gd_status try_corners(const struct finder *finder, struct view *view
     return status;
 }
 
-/* Moves to a place with a smaller f, if one is found. */
+/* Moves to a position with a smaller f, if one is found. */
 static enum gd_status mean_improve(const struct finder *finder, struct view *view, bool *has_moved)
 {
     double part = 1;
@@ -208,7 +208,7 @@ static struct gd_point nearest_given(const struct finder *finder, struct gd_vec3
     return points[best];
 }
 
-/* Evaluates f at two places near the points' mean in space, and returns the better one as the
+/* Evaluates f at two positions near the points' mean in space, and returns the better one as the
  * start. */
 static enum gd_status mean_begin(const struct finder *finder, struct view *out)
 {

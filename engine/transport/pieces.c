@@ -26,11 +26,11 @@ struct gd_curve gd__route_take_curve(struct gd__route *route, bool closed)
 struct walk {
     const struct gd__route *route;
     uint32_t at;          /* the last point passed */
-    struct gd_point here; /* the current place */
+    struct gd_point here; /* the current point */
     double gone;          /* length walked up to `at` */
 };
 
-/* Replaces `out` by the part of the route from the current place to a given length. */
+/* Replaces `out` by the part of the route from the current position to a given length. */
 static enum gd_status walk_to(struct gd__straightener *s, struct walk *walk, double length,
                               struct gd__route *out)
 {

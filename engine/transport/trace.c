@@ -85,7 +85,7 @@ static inline struct gd_point *line_last(const struct line *line)
 }
 
 /* A trace alternates between rays and halts. A ray runs straight from face to face; its side
- * determines the current face. A halt is a vertex, a place on the boundary, or the end of the
+ * determines the current face. A halt is a vertex, a position on the boundary, or the end of the
  * trace. At a halt, the direction of arrival is stored as a turn (line/turn.h). */
 
 enum halt {
@@ -115,7 +115,7 @@ struct tracer {
 
 /* --- one face --------------------------------------------------------------------------------- */
 
-/* Returns a bound on the accumulated rounding error of the line's place. */
+/* Returns a bound on the accumulated rounding error of the line's position. */
 static inline double drift(const struct tracer *tracer)
 {
     return GD_TOL_DRIFT * tracer->line.gone;
@@ -151,7 +151,7 @@ static inline enum halt transport_trace_append(struct tracer *tracer, struct gd_
     return tracer->meetings ? transport_trace_meet(tracer, face, run, halt) : halt;
 }
 
-/* Returns the point of the side's face at a place in the side's frame. If an edge or a vertex is
+/* Returns the point of the side's face at a position in the side's frame. If an edge or a vertex is
  * within the distance `snap`, moves the point there. */
 static struct gd_point point_at(const struct gd_mesh *mesh, uint32_t side, struct gd__local at,
                                 double snap)
@@ -186,7 +186,7 @@ static enum halt end_in_face(struct tracer *tracer, const struct gd__ray *ray, d
     return transport_trace_append(tracer, end, mesh->side_face[ray->side], run, HALT_END);
 }
 
-/* Returns the place of a corner of the side's face, in the side's frame. */
+/* Returns the position of a corner of the side's face, in the side's frame. */
 static struct gd__local corner_of(const struct gd_mesh *mesh, uint32_t side, uint32_t vertex)
 {
     const struct gd_side *s = &mesh->side[side];
@@ -328,7 +328,7 @@ static enum halt transport_trace_slide(struct tracer *tracer, uint32_t side, dou
 
 /* Returns true if the line reaches the boundary at such a small angle that its end, or the vertex
  * ahead, is on the boundary edge up to rounding. The line then continues along the edge, because
- * the place where it crosses the edge is undetermined. */
+ * the position where it crosses the edge is undetermined. */
 static bool grazes(const struct tracer *tracer)
 {
     const struct gd__surface_ray *walk = &tracer->walk;

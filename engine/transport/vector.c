@@ -27,7 +27,7 @@ static uint32_t count_parts(const struct gd_path *path)
 }
 
 /* Returns true if `sum`, the length of the unfolded parts, equals the path's length up to the
- * rounding of lengths and of places in faces. */
+ * rounding of lengths and of positions in faces. */
 static bool agree(const struct gd_mesh *mesh, const struct gd_path *path, double sum)
 {
     double slack =
