@@ -1,7 +1,7 @@
 /* Polyline vertex (joint): a point of a curve and the segments that end there. A joint is the
- * nearest point of the curve only for points behind it, that is, points whose direction from the
- * joint is at 90 degrees or more to each of its segments. For a point in another direction, a point
- * of a segment is nearer (first variation of length). */
+ * nearest point of the curve only for the points behind it. A point is behind a joint if its
+ * direction from the joint makes an angle of 90 degrees or more with each of the joint's segments.
+ * For a point in another direction, a point of a segment is nearer (first variation of length). */
 #ifndef GD_WAVEFRONT_POLYLINE_VERTEX_H
 #define GD_WAVEFRONT_POLYLINE_VERTEX_H
 

@@ -304,8 +304,8 @@ GD__PREFETCH prefetch_way_out(const struct gd__wavefront *front, uint32_t side)
     if (!front->paged) __builtin_prefetch(&front->lists[side]);
 }
 
-/* Prefetches data of two later joints: the edge of the farther one, and the two faces of the edge
- * of the nearer one. */
+/* Prefetches data of two later joints. For the farther joint, this is its edge. For the nearer
+ * joint, these are the two faces of its edge. */
 GD__PREFETCH prefetch_seeds(const struct gd__wavefront *front, uint32_t seed)
 {
     const struct gd_mesh *mesh = front->mesh;
