@@ -34,8 +34,7 @@ static enum gd_status run_step(struct chain *chain, const struct gd_edit_step *s
     return gd_fail(detail, GD_INVALID_ARGUMENT, "there is no edit of kind %d", (int)step->kind);
 }
 
-/* Converts an origin: computes, for a place on the mesh of the current step, the place on the
- * original mesh. */
+/* Converts a position on the mesh of the current step to an origin on the original mesh. */
 static enum gd_status origin_before(const struct chain *chain, struct gd_vec3 place,
                                     struct gd_origin *origin)
 {
