@@ -5,8 +5,8 @@
 
 #include "field/layout.h"
 
-/* Sets *out to true if a second path arrives, under two conditions. The directions of this path and
- * of the shortest path differ by at least GD_TOL_CUT_ANGLE. Both paths are equally long at a
+/* Sets *out to true if a second path arrives that satisfies two conditions. Its direction differs
+ * from that of the shortest path by at least GD_TOL_CUT_ANGLE. Both paths are equally long at a
  * position that is nearer to the point than GD_TOL_CUT times the distance. *out is false at seeds
  * and at points without a path. Errors: GD_NO_MEMORY. O(wedges of the edges of the faces that
  * contain the point). */

@@ -1,9 +1,9 @@
 /* Parts of an isoline: its crossings of edges, and its chains of arcs across faces.
  *
  * DESIGN
- * - The isoline bounds the points below the level, which lie to its left. A vertex is below if its
- *   stored distance is below. For a point of an edge the test is made once for both faces.
- *   Therefore as many lines enter a face as leave it: rounding cannot change the topology.
+ * - The points below the level lie to the left of the isoline. A vertex counts as below if its
+ *   stored distance is below the level. For a point of an edge the test is made once for both
+ *   faces. Therefore as many lines enter a face as leave it: rounding cannot change the topology.
  * - Inside a face the line consists of arcs. An arc is a part of one source's circle, or of a
  *   segment's parallel line, where no other source is nearer (circle.h). Ends of arcs and crossings
  *   are matched by position, nearest pairs first, so that each arc continues in another arc or at a

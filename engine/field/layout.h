@@ -1,5 +1,6 @@
 /* Layout of a field in memory. Each edge has a chain of chunks (window/wedges.h). A chunk contains
- * final wedges. The chunks of a chain are in the order of propagation.
+ * final wedges. Chunks are stored in the order of propagation; a chain begins with its newest
+ * chunk.
  *
  * Normalised unit; numbering of the mesh. */
 #ifndef GD_FIELD_LAYOUT_H

@@ -39,8 +39,8 @@ struct gd__sources {
     uint32_t count, capacity;
 };
 
-/* Collects the sources of a face whose `nearest` is below `most`. Error: GD_NO_MEMORY. O(wedges of
- * the face's edges). */
+/* Collects those sources of a face whose `nearest` is below `most`. Error: GD_NO_MEMORY. O(wedges
+ * of the face's edges). */
 GD_MUST_USE enum gd_status gd__sources_gather(const struct gd_field *field, uint32_t face,
                                               double most, struct gd__sources *out);
 void gd__sources_destroy(struct gd__sources *sources);
