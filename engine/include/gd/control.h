@@ -21,7 +21,7 @@ struct gd_control {
     size_t budget_bytes;
     uint64_t deadline_ns; /* time of the clock gd_now_ns(); 0 means no deadline */
     /* Called on the calling thread with the completed fraction of the work, in [0,1], which never
-       decreases. Must return false to cancel the call. May be NULL. */
+       decreases. Returns true to continue, and false to cancel the call. May be NULL. */
     bool (*progress)(void *user, double fraction);
     void *user;
     struct gd_workspace *workspace; /* memory reused between calls, gd/workspace.h; may be NULL */

@@ -41,16 +41,16 @@ struct gd_field_request {
     const struct gd_point *target;
 };
 
-/* Builds the exact distance field of the seeds: propagates wedges and keeps the final ones.
- * Segments have linear wedges, so that distances from segments are as exact as distances from
- * points (D. Bommes and L. Kobbelt, "Accurate computation of geodesic distance fields for polygonal
- * curves on triangle meshes", 2007). `control` and `detail` may be NULL. The result is the same, to
- * the last bit, in every call. The caller owns one reference of `*out`. Errors: GD_INVALID_ARGUMENT
- * (no seed, an offset that is negative or not finite, a segment whose ends are one point or have no
- * common face), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY (far more windows
- * than any real mesh needs), GD_INTERNAL (the distances of two neighbours differ by more than the
- * length of their edge: rounding errors are too large on this surface). Cost: about n^1.5 wedges on
- * smooth curved meshes, 21 to 24 bytes each. Thread-safe. */
+/* Builds the exact distance field of the seeds: propagates windows, and stores the final windows as
+ * wedges. Segments have linear wedges, so that distances from segments are as exact as distances
+ * from points (D. Bommes and L. Kobbelt, "Accurate computation of geodesic distance fields for
+ * polygonal curves on triangle meshes", 2007). `control` and `detail` may be NULL. The result is
+ * the same, to the last bit, in every call. The caller owns one reference of `*out`. Errors:
+ * GD_INVALID_ARGUMENT (no seed, an offset that is negative or not finite, a segment whose ends are
+ * one point or have no common face), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY
+ * (far more windows than any real mesh needs), GD_INTERNAL (the distances of two neighbours differ
+ * by more than the length of their edge: rounding errors are too large on this surface). Cost:
+ * about n^1.5 wedges on smooth curved meshes, 21 to 24 bytes each. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_build(const struct gd_mesh *mesh,
                                           const struct gd_field_request *request,
                                           const struct gd_control *control, struct gd_field **out,

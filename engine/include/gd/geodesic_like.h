@@ -100,7 +100,8 @@ struct gd_geodesic {
     double residual; /* relative norm of the gradient of the length */
     /* integral of the squared geodesic curvature over arc length, in 1/length */
     double curvature;
-    /* (2 E - L^2) / L^2 over the pieces: 0 for constant speed */
+    /* sum of |2 E - L^2| over the pieces (with energy E and length L), divided by the square of the
+       path's length; 0 for constant speed */
     double speed_defect;
     uint32_t iterations; /* total number of Newton steps */
     /* true if the Hessian is positive definite, so that the path is a proven local minimum */

@@ -4,9 +4,8 @@
  * vectors from x to the points sum to zero. The mean does not depend on the order of the points. If
  * f has several minima (for example for two points on opposite sides of a closed surface), the
  * iteration converges to one of them. The iteration starts near the points' mean in space: either
- * at the given point that is nearest to this mean, or at the point of the surface that is nearest
- * to it. At a vertex whose total angle exceeds 2 pi, f may have a minimum although the vectors do
- * not sum to zero. */
+ * at the nearest of the given points, or at the nearest point of the surface. At a vertex whose
+ * total angle exceeds 2 pi, f may have a minimum although the vectors do not sum to zero. */
 #ifndef GD_MEAN_H
 #define GD_MEAN_H
 

@@ -31,7 +31,7 @@ struct gd_vector {
 /* The vectors of q (-) p. Segment 0 begins at p. Each further segment begins at the vertex where
  * the previous one ends. */
 struct gd_log {
-    /* its direction is that of segment 0, and its length that of the whole path */
+    /* has the direction of segment 0 and the length of the whole path */
     struct gd_vector vector;
     struct gd_vector *segments;
     uint32_t count; /* number of segments; 0 if q equals p */
