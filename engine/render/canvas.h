@@ -1,5 +1,5 @@
 /* Canvas: the drawing target of lines, discs and texts: an image (paint.c) or an SVG file (svg.c).
- * All places and widths are in pixels. */
+ * All positions and widths are in pixels. */
 #ifndef GD_RENDER_CANVAS_H
 #define GD_RENDER_CANVAS_H
 
@@ -18,7 +18,7 @@ enum gd__anchor { GD__ANCHOR_START, GD__ANCHOR_MIDDLE };
 struct gd__text {
     /* printable ASCII, the characters of the stroke font (glyph.c) */
     const char *text;
-    double x, y, size; /* place on the base line, and font size */
+    double x, y, size; /* position on the base line, and font size */
     enum gd__anchor anchor;
     struct gd__colour colour;
     bool has_halo; /* a border of colour `halo` around the letters */

@@ -4,14 +4,14 @@
 
 #include "base/large.h"
 
-/* A place on the surface counts as visible if its depth exceeds the depth of its pixel's sample by
- * at most SLACK, plus the face's steepness times AWAY. */
+/* A position on the surface counts as visible if its depth exceeds the depth of its pixel's sample
+ * by at most SLACK, plus the face's steepness times AWAY. */
 #define SLACK 1.0 /* pixels of depth */
-/* largest distance between a place and its pixel's sample, from corner to corner, in pixels */
+/* largest distance between a position and its pixel's sample, from corner to corner, in pixels */
 #define AWAY     1.5
 #define STEEPEST 16.0
-#define STEP     0.5 /* distance of tested places along a line, in pixels */
-/* number of tested places of the shortest piece that keeps its own visibility */
+#define STEP     0.5 /* distance of tested positions along a line, in pixels */
+/* number of tested positions of the shortest piece that keeps its own visibility */
 enum { SHORTEST = 6 };
 
 enum gd_status gd__depth_buffer_open(struct gd__depth_buffer *buffer,
@@ -50,7 +50,7 @@ void gd__depth_buffer_take(struct gd__depth_buffer *buffer, const struct gd__ras
         }
 }
 
-/* --- one place -------------------------------------------------------------------------------- */
+/* --- one position ----------------------------------------------------------------------------- */
 
 /* Returns the change of a face's depth from pixel to pixel. */
 static double steepness(const struct gd__depth_buffer *buffer, uint32_t face)

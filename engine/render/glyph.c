@@ -7,7 +7,7 @@
 #define STEP 0.12  /* length of a step relative to the text's size; digits are 6 steps high */
 enum { BASE = 2 }; /* the baseline in steps */
 
-/* A glyph. `lines` are strokes separated by spaces. A stroke is a list of places of two digits
+/* A glyph. `lines` are strokes separated by spaces. A stroke is a list of positions of two digits
  * each: steps to the right and steps upwards. */
 struct glyph {
     char letter;

@@ -306,8 +306,8 @@ static double box_cost(const struct labels *labels, const struct label_box *box)
     return cost;
 }
 
-/* Tries eight places of a label around its mark: right, left, above, below, and the corners.
- * Returns the place with the least box_cost. */
+/* Tries eight positions of a label around its mark: right, left, above, below, and the corners.
+ * Returns the position with the least box_cost. */
 static struct label_box label_place(const struct labels *labels, struct gd__pixel_point at,
                                     double width, double height, double away)
 {

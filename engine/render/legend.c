@@ -21,7 +21,7 @@
 
 /* --- names of layers -------------------------------------------------------------------------- */
 
-/* The place of the next name. */
+/* The position of the next name. */
 struct cursor {
     double x;
     uint32_t row;
@@ -38,8 +38,8 @@ static void name_fit(char *text, double size, double width)
     }
 }
 
-/* Moves the cursor, zero at first, to the place of a name: beside the last one, or below it if the
- * row is full. */
+/* Moves the cursor, which is zero at first, to the position of a name: beside the last name, or
+ * below it if the row is full. */
 static void cursor_move(const struct gd__legend *legend, const char *name, struct cursor *cursor)
 {
     double unit = legend->unit, left = SIDE * unit, size = LETTERS * unit,

@@ -40,7 +40,8 @@ static double distance_to_segment(struct gd__pixel_point p, struct gd__pixel_poi
     return hypot(px - t * x, py - t * y);
 }
 
-/* Returns true if the segment from place a to place b approximates all places between them. */
+/* Returns true if the segment from position a to position b approximates all positions between
+ * them. */
 static bool stands_for(const struct gd__lines *lines, uint32_t a, uint32_t b, double tolerance)
 {
     for (uint32_t i = a + 1; i < b; i++)
@@ -49,8 +50,9 @@ static bool stands_for(const struct gd__lines *lines, uint32_t a, uint32_t b, do
     return true;
 }
 
-/* The algorithm is greedy. After a kept place, it keeps the last place for which a single segment
- * approximates all places between the two. The result overwrites places that were already read. */
+/* The algorithm is greedy. After a kept position, it keeps the last position for which a single
+ * segment approximates all positions between the two. The result overwrites positions that were
+ * already read. */
 void gd__lines_simplify(struct gd__lines *lines, double tolerance)
 {
     enum { FARTHEST = 64 };

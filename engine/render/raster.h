@@ -1,7 +1,7 @@
 /* Raster: computes the visible face at each sample of a picture, in bands of rows.
  *
  * DESIGN. A pixel has grid x grid samples. Rows of samples are shifted against each other by
- * fractions of a sample, so that steep edges are sampled at grid^2 places. A face covers the
+ * fractions of a sample, so that steep edges are sampled at grid^2 positions. A face covers the
  * samples between its edges. A sample on the common edge of two faces belongs to exactly one of
  * them, so that there are no gaps and no overlaps. Faces are listed by the bands that they meet, so
  * that a band's samples stay in the cache. */

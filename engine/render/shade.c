@@ -6,8 +6,8 @@
 #include "mesh/canonical.h"
 
 /* A *fragment* is the part of a pixel that shows one face: all samples of the pixel with that face.
- * A fragment has one colour, computed at the mean place of its samples. Thousands of fragments are
- * coloured at a time, because a field evaluates many distances faster than single ones. */
+ * A fragment has one colour, computed at the mean position of its samples. Thousands of fragments
+ * are coloured at a time, because a field evaluates many distances faster than single ones. */
 
 enum { BATCH = 1 << 14, SAMPLES = 16 };
 
@@ -170,7 +170,7 @@ static double into_unit(double x)
     return x < 0 ? 0 : x < 1 ? x : 1;
 }
 
-/* Computes the barycentric coordinates of a place in the picture, clamped to the face. */
+/* Computes the barycentric coordinates of a position in the picture, clamped to the face. */
 static void weigh(const struct gd__raster *raster, uint32_t face, double x, double y,
                   float weight[3])
 {
@@ -204,7 +204,7 @@ static void add_fragment(struct gd__shade *shade, uint32_t pixel, uint32_t face,
 }
 
 /* The faces at a pixel's samples. For each face: the number of its samples and the sum of their
- * places. */
+ * positions. */
 struct tally {
     uint32_t count, face[SAMPLES], samples[SAMPLES];
     double x[SAMPLES], y[SAMPLES];
