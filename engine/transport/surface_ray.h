@@ -27,10 +27,10 @@ static inline void gd__surface_ray_turn(struct gd__surface_ray *walk, double x, 
     walk->dy = y * scale;
 }
 
-/* Crosses the face of the ray's side, whose record is `s`, to the left edge, origin -> apex, or the
- * right one, apex -> destination. Let u be the unit vector along the edge, and d the direction.
- * Then |u x d| is the new dy, and one division gives both t and run. A line from the side's origin
- * leaves by the right edge. */
+/* Crosses the face of the ray's side. `s` is the record of this side. The ray leaves by the left
+ * edge (from the origin to the apex) or by the right edge (from the apex to the destination). Let u
+ * be the unit vector along the edge, and d the direction. Then |u x d| is the new dy, and one
+ * division gives both t and run. A line from the side's origin leaves by the right edge. */
 static inline struct gd__face_crossing gd__surface_ray_cross(const struct gd_side *s,
                                                              struct gd__surface_ray *walk)
 {

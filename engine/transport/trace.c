@@ -106,8 +106,8 @@ struct tracer {
     struct line line;
     struct gd__surface_ray walk;
     enum halt halt;
-    /* at all halts except NONE and BORDER: the turn, at the last point, of the direction back along
-       the line */
+    /* at all halts except HALT_NONE and HALT_BORDER, the turn of the direction from the last point
+       back along the line */
     double back;
     struct gd__meetings *meetings; /* NULL if not requested */
     struct gd_direction ahead;     /* direction at the start */
