@@ -113,8 +113,8 @@ struct gd__wavefront {
 };
 
 /* Receives the result. Called once, when all distances and wedges are final. The sink may take the
- * workspace's arrays distance, predecessor, newest and wedges. It must then set their pointers to
- * NULL and leave the region closed. The other arrays are reused. */
+ * workspace's arrays `distance`, `predecessor`, `newest` and `wedges`. It must then set their
+ * pointers to NULL and leave the region closed. The other arrays are reused. */
 struct gd__sink {
     enum gd_status (*take)(void *user, struct gd__wavefront *front);
     void *user;

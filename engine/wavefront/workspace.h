@@ -18,7 +18,8 @@ struct gd_workspace {
 
     /* The clean values are: an empty list for `lists`; GD__FAR for `emitted` and `distance`; 0 for
      * `valid_from`; GD_NONE for `waiting`, `newest` and the members of a predecessor. A propagation
-     * may take distance, predecessor and newest, all three together. They are NULL then. */
+     * may take `distance`, `predecessor` and `newest`, all three together. These pointers are then
+     * NULL. */
     struct gd__list *lists; /* per side */
     double *emitted;        /* for each vertex, the distance with which it last emitted */
     /* for each vertex, the offset in `wedges` at which the chunks with its present distance begin,
@@ -28,7 +29,7 @@ struct gd_workspace {
     uint32_t *waiting;
     double *distance;                    /* per vertex */
     struct gd__predecessor *predecessor; /* per vertex */
-    /* sizes of distance, predecessor and newest, which fit the last mesh exactly */
+    /* sizes of `distance`, `predecessor` and `newest`, which fit the last mesh exactly */
     uint32_t result_edges, result_vertices;
     /* for each edge, its newest chunk of wedges, in GD__CHUNK_UNITs of `wedges`, or GD_NONE if
        there is none */
