@@ -67,8 +67,8 @@ static inline void gd__children_close(struct gd__children *children, struct gd__
     children->block = NULL;
 }
 
-/* Sorts the windows and makes them disjoint. Pushes the windows from `tangled` on one by one.
- * Errors: GD_NO_MEMORY, GD_BUDGET. O(n), except for rare windows that belong far back. */
+/* Sorts the windows and makes them disjoint. Pushes the windows from index `tangled` on, one by
+ * one. Errors: GD_NO_MEMORY, GD_BUDGET. O(n), except for rare windows that belong far back. */
 GD_MUST_USE enum gd_status gd__children_sort(struct gd__children *children, struct gd__pool *pool,
                                              double min_width, struct gd__scratch *scratch);
 
