@@ -10,9 +10,9 @@
  * assembly has its own scale. */
 #define GD_TOL_BETTER 1e-14
 
-/* If two windows tie at an end of their overlap, they count as equal on the whole overlap only if
- * the overlap is narrower than the distance to the sources divided by GD_TOL_TIE_FACTOR. Inside a
- * wider overlap one of the windows may give a shorter distance. */
+/* Suppose that two windows tie at an end of their overlap. They count as equal on the whole overlap
+ * only if the overlap is narrower than the distance to the sources, divided by GD_TOL_TIE_FACTOR.
+ * Inside a wider overlap one of the windows may give a shorter distance. */
 #define GD_TOL_TIE_FACTOR 1024
 
 /* A window is stale if the distance of its source has decreased since the source cast the window,
@@ -147,9 +147,9 @@
  * this is below rounding. */
 #define GD_TOL_PACKED 1e-6
 
-/* A leg counts as straight if its crossing of an edge is off the straight line by at most this part
- * of the edge. The reason is that the ends of wedges are stored with an error of 2^-32 of the
- * edge. */
+/* A leg counts as straight if it crosses each edge at most this far from the straight line,
+ * relative to the edge. The reason is that the ends of wedges are stored with an error of 2^-32 of
+ * the edge. */
 #define GD_TOL_STRAIGHT 1e-9
 
 /* ENVELOPE: a source that is seen through several wedges has unfolded images that differ by this
@@ -176,8 +176,8 @@
  * is at most the nudge. */
 #define GD_TOL_TANGENT 1e-3
 
-/* A ridge of the distance is traced where the two directions of arrival differ by at least this
- * angle, in radians. Rounding moves a ridge of this angle by about 1e-6 of its distance. */
+/* A ridge is traced where the two directions of arrival differ by at least this angle, in radians.
+ * Rounding moves a ridge of this angle by about 1e-6 of its distance. */
 #define GD_TOL_RIDGE 1e-6
 
 /* Loose ends of ridges are joined over at most this part of the face. */
@@ -269,8 +269,8 @@
 /* A closed curve that shrinks to less than this part of its first length shrinks to a point. */
 #define GD_TOL_VANISH 1e-9
 
-/* Two points of a spline count as one point if they are closer than this part of the distance to
- * the farthest of their neighbours, because no direction between them is defined. */
+/* Two points of a spline count as one point if their distance is less than this part of the
+ * distance to their farthest neighbour, because no direction between them is defined. */
 #define GD_TOL_SAME_POINT 1e-12
 
 /* Simplification makes no face flatter than this, because a face that is nearly a line has no
@@ -304,7 +304,7 @@
 /* --- parametric surfaces (nurbs) -------------------------------------------------------------- */
 
 /* Two borders of a surface count as one curve if they differ by at most this part of the surface's
- * size, and a border counts as one point if it is at most that large. The error of lengths across
+ * size. A border counts as one point if its size is at most this part. The error of lengths across
  * the border is at most as large. */
 #define GD_TOL_CLOSED 1e-11
 

@@ -1,8 +1,8 @@
 /* Part of kernel_lanes.h: lists of children under construction. Joins windows of one source;
  * contests other windows that overlap. */
-/* A list of children under construction. Each vector has the same value in all lanes. `b0`, `b1`,
- * `x`, `y`, `sigma` and `source` describe the list's last window, with its ends before they were
- * cut. The other vectors describe the window that was offered last. */
+/* A list of children under construction. Each vector has the same value in all lanes. b0, b1, x, y,
+ * sigma and source describe the list's last window, with its ends before they were cut. The other
+ * vectors describe the window that was offered last. */
 struct chain {
     struct gd__children *list;
     double width;
