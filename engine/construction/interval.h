@@ -7,8 +7,9 @@
 
 #define GD_INTERVAL_MAX_CORNERS 64
 
-/* The best triangulation of each interval of corners (from corner i to corner j along the ring):
- * its cost, and the corner that forms a triangle with corners i and j. */
+/* The best triangulation of each interval of corners. An interval runs from corner i to corner j
+ * along the ring. The table has the cost, and the corner that forms a triangle with corners i and
+ * j. */
 struct gd__interval_table {
     double cost[GD_INTERVAL_MAX_CORNERS][GD_INTERVAL_MAX_CORNERS];
     uint8_t apex[GD_INTERVAL_MAX_CORNERS][GD_INTERVAL_MAX_CORNERS];
