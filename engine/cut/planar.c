@@ -14,8 +14,8 @@ void gd__planar_free(struct gd__planar *planar)
     *planar = (struct gd__planar){.budget = planar->budget, .pace = planar->pace};
 }
 
-/* Sine and cosine of the angle at `apex` from `p` to `q`, times the lengths of both legs; `legs` is
- * their product. */
+/* The angle at `apex` from `p` to `q`: its sine and its cosine, both multiplied by `legs`. `legs`
+ * is the product of the lengths of both legs. */
 struct angle {
     double sine, cosine, legs;
 };

@@ -11,8 +11,8 @@
 struct gd__seam { /* an all-zero struct is empty */
     const struct gd__nodes *nodes;
     uint32_t *first; /* for each edge, its first piece; one more entry at the end */
-    /* nodes on edges, by edge, in order of their parameters; the nodes of edge e begin at first[e]
-       - e */
+    /* nodes on edges, sorted by edge and then by parameter; the nodes of edge e begin at
+       first[e] - e */
     uint32_t *edge_node;
     /* for each new node on an edge, 1 + the number of preceding nodes on that edge */
     uint32_t *place;
