@@ -6,8 +6,8 @@
 #include "mesh/segment.h"
 #include "mesh/image_header.h"
 
-/* An image: a header that begins with gd__image_header, then the arrays of the field as in memory,
- * each 8-byte aligned, in the order of struct layout below. */
+/* An image has a header, which begins with gd__image_header, and then the arrays of the field, as
+ * in memory. Each array is 8-byte aligned. Their order is that of struct layout below. */
 
 static const char magic[8] = "GDFIELD";
 static const uint32_t version = 4;

@@ -44,7 +44,7 @@ struct gd__waiting_end {
     uint32_t next; /* the next one on the edge, or in the list of unused entries */
 };
 
-/* The data of a part in addition to those of a part of a Voronoi diagram (gd__bisector_part). */
+/* The data that a part has in addition to gd__bisector_part. */
 struct gd__ridge_pair {
     double angle; /* greatest angle between the directions of arrival */
     /* numbers of its sources in the face; GD_NONE for a part along an edge, or for a bridge over a

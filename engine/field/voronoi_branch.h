@@ -1,6 +1,6 @@
-/* Branch: the points of a face's plane that are equally far from two sources: a branch of a
- * hyperbola or a line between two points, a parabola between a point and a segment's line, a line
- * between two segments' lines.
+/* Branch: the points of a face's plane that are equally far from two sources. Between two points it
+ * is a line or a branch of a hyperbola. Between a point and a segment's line it is a parabola.
+ * Between two segments' lines it is a line.
  *
  * DESIGN. A branch has the polar form 1/r = w u + q about a centre. Here u is the unit vector of an
  * angle, and w u is a dot product. The branch exists where the right side is positive.
@@ -77,9 +77,10 @@ struct gd__turn gd__branch_beyond(const struct gd__branch *branch, struct gd__lo
 struct gd__turn gd__branch_lost_to(const struct gd__branch *branch, const struct gd__focus *third,
                                    double slack);
 
-/* Return the position nearest to `at` that is equally far from two or three sources; `at` itself if
- * no such position is within `reach`. If the bisectors of three sources meet at a tiny angle (for
- * instance those of a segment's line and its end), only the first two sources are used. */
+/* Return the position nearest to `at` that is equally far from two or three sources. Return `at`
+ * itself if no such position is within `reach`. If the bisectors of three sources meet at a tiny
+ * angle (for instance those of a segment's line and its end), only the first two sources are
+ * used. */
 struct gd__local gd__between_two(const struct gd__focus focus[2], struct gd__local at,
                                  double reach);
 struct gd__local gd__between_three(const struct gd__focus focus[3], struct gd__local at,

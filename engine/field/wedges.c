@@ -6,7 +6,7 @@
 #include "base/array.h"
 #include "mesh/segment.h"
 
-/* The wedges of an edge as one list: merges its chunks by contests, as the final stage of Liu's
+/* Merges the chunks of an edge to one list of wedges by contests, as the final stage of Liu's
  * algorithm (gd/field.h) does. Chunks contain no windows whose sources lie on the edge's own line.
  * Therefore the edge's ends and the seeds on the edge are merged here. They are Liu's tuples with
  * d0 = 0 or d1 = 0. */
