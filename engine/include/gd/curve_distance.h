@@ -1,5 +1,5 @@
 /* Curve distance: the exact least distance between two curves on a surface, and the greatest
- * distance of the points of one curve from the other curve.
+ * distance that a point of one curve has from the other curve.
  *
  *     gd_curve_seeds(&a, 0, seeds);                     // the field of one curve, built once
  *     ... gd_field_build(mesh, &request, NULL, &field_of_a, NULL);

@@ -24,8 +24,7 @@ enum gd_limit_end {
 #define GD_LIMIT_STEPS 1000000
 
 struct gd_limit_path {
-    /* steps from the start to the end, at least one; several in each patch, dense enough for
-       drawing */
+    /* steps from the start to the end, at least one; each patch has several, enough for drawing */
     struct gd_limit_step *steps;
     uint32_t step_count;
     /* the requested length if `end` is GD_LIMIT_END_LENGTH, otherwise less */

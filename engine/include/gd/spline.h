@@ -80,10 +80,11 @@ struct gd_spline_request {
 struct gd_spline_knot {
     double parameter;
     struct gd_vector tangent;
-    /* Angle in radians between the arriving and the leaving curve, and the difference of their
-       speeds relative to the greater speed, both measured on the control polygon. They are 0 at the
-       ends of an open spline. They are not 0 at a knot with a clipped arm. If the speed is 0, the
-       angle is that between the limits of the curve's tangents. */
+    /* `angle_jump` is the angle between the arriving and the leaving curve, in radians.
+       `speed_jump` is the difference of their speeds, divided by the greater speed. Both are
+       measured on the control polygon. They are 0 at the ends of an open spline. They are not 0 at
+       a knot with a clipped arm. If the speed is 0, the angle is that between the limits of the
+       curve's tangents. */
     double angle_jump;
     double speed_jump;
 };
