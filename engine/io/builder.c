@@ -215,8 +215,8 @@ enum gd_status gd__builder_skip(struct gd__builder *builder, const char *at, enu
     const struct gd__scan *scan = builder->scan;
     struct gd_mended *skipped = builder->limits.skipped;
     if (skipped) {
-        /* gd__scan_place takes as long as reading the input up to `at`, so it is called only for
-           elements that are listed */
+        /* gd__scan_place reads the input up to `at`, so it is called only for elements that are
+           listed */
         uint64_t place = skipped->listed < GD_MENDED_LISTED ? gd__scan_place(scan, at) : 0;
         gd_mended_add(skipped, place < UINT32_MAX ? (uint32_t)place : UINT32_MAX, 0);
         return GD_OK;

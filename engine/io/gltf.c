@@ -404,7 +404,7 @@ enum gd_status gd__glb_read(struct gd__scan *scan, struct gd__builder *builder)
 
 /* --- memory ----------------------------------------------------------------------------------- */
 
-/* Memory of a position and of its slots in the hash table of the weld (weld.h), at most four
+/* Memory of a position, and of its slots in the hash table of weld.h. A position takes at most four
  * slots. */
 #define VERTEX_BYTES (sizeof(double[3]) + 4 * sizeof(uint32_t))
 
