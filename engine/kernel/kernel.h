@@ -12,8 +12,8 @@
 #include "kernel/ring.h"
 #include "window/wedges.h"
 
-/* The best straight path to the apex of a side through one of the side's windows, and the windows
- * whose rays pass closest to the apex on its left and right. */
+/* The best straight path through a window of a side to the side's apex. Also the two windows whose
+ * rays pass closest to the apex, on its left and on its right. */
 struct gd__apex {
     /* input: the distance of the apex; output: a shorter distance, if a window gives one */
     double distance;
