@@ -64,11 +64,11 @@ static inline uint32_t gd__route_bend(const struct gd_point *points, uint32_t co
     return i;
 }
 
-/* Compute the directions of the ends of a geodesic of at least two points, as turns (turn.h).
- * gd__route_ahead computes the turn in which the geodesic leaves its first point. gd__route_back
- * computes the turn at its last point that leads back along the geodesic. For precision, both
- * functions unfold the geodesic from this end to the nearest vertex on it. Error: GD_INTERNAL (two
- * points have no common face). */
+/* Compute the directions at the ends of a geodesic, as turns (turn.h). The geodesic has at least
+ * two points. gd__route_ahead computes the turn in which the geodesic leaves its first point.
+ * gd__route_back computes the turn at its last point that leads back along the geodesic. For
+ * precision, both functions unfold the geodesic from this end to the nearest vertex on it. Error:
+ * GD_INTERNAL (two points have no common face). */
 GD_MUST_USE enum gd_status gd__route_ahead(const struct gd_mesh *mesh,
                                            const struct gd_point *points, uint32_t count,
                                            double *out);
