@@ -142,8 +142,8 @@ struct heading {
     /* angle between the given direction and the sector; 0 if the direction lies in the sector;
        INFINITY if there is no direction */
     double outside;
-    /* for a heading computed from a vector: squared length of the difference between the vector and
-       the heading, both scaled to length 1 */
+    /* If the heading was computed from a vector, both are scaled to length 1, and this is the
+       squared length of their difference. */
     double deviation;
 };
 

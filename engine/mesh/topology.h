@@ -32,9 +32,9 @@ struct gd_side {
     double left_length, right_length;
     double left_x, left_y;   /* unit vector from the origin to p, in the side's frame */
     double right_x, right_y; /* unit vector from p to the destination */
-    /* The sides in the neighbouring faces across the other two edges of this face: `left` runs from
+    /* The sides of the other two edges of this face, in the neighbouring faces. `left` runs from
      * the origin to p, `right` from p to the destination. Each is the opposite of a side of this
-     * face. Both are GD_NONE at the boundary. */
+     * face. If this side is a boundary side, both are GD_NONE. */
     uint32_t left, right;
 };
 
