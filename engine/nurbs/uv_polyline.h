@@ -1,5 +1,5 @@
-/* UV polyline: a polyline in the parameter domain with its arc length in space, and the fit of a
- * chain to it. */
+/* UV polyline: a polyline in the parameter domain, with its arc length in space. Also fits a chain
+ * to such a polyline. */
 #ifndef GD_NURBS_UV_POLYLINE_H
 #define GD_NURBS_UV_POLYLINE_H
 
@@ -8,7 +8,7 @@
 struct gd__uv_polyline {
     uint32_t count, capacity; /* `count` must be at least 2 when the polyline is measured */
     double (*at)[2];
-    double *arc; /* for each place, length of the chords in space from the beginning to it */
+    double *arc; /* for each place, length in space of the chords up to it */
 };
 
 void gd__uv_polyline_free(struct gd__uv_polyline *polyline);
