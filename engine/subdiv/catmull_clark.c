@@ -126,8 +126,8 @@ static struct gd_vec3 catmull_clark_cross(const struct gd__net *net, const struc
     return sum;
 }
 
-/* For each corner of the face, its position in the 4 x 4 grid of control points, and the step in
- * this grid across the side that begins at the corner, out of the face. */
+/* For each corner of the face, its position in the 4 x 4 grid of control points. For the side that
+ * begins at this corner, the step in this grid that leads across the side, out of the face. */
 static const int corner_place[4][2] = {{1, 1}, {2, 1}, {2, 2}, {1, 2}},
                  outwards[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
 
