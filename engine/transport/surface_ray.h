@@ -21,7 +21,7 @@ struct gd__face_crossing {
 
 static inline void gd__surface_ray_turn(struct gd__surface_ray *walk, double x, double y)
 {
-    /* one step of Newton's method keeps the length of the vector at 1 over any number of faces */
+    /* one step of Newton's method in each face keeps the length of the vector at 1 */
     double length = x * x + y * y, scale = 1.5 - 0.5 * length;
     walk->dx = x * scale;
     walk->dy = y * scale;
