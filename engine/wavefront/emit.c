@@ -12,8 +12,8 @@ struct emitter {
     double sigma;
 };
 
-/* A part of the face of a fan entry, between two angles at the vertex, measured from the entry's
- * side. `opening` is the angle of the whole face. */
+/* A part of the face of a fan entry. It lies between two angles at the vertex, which are measured
+ * from the entry's side. `opening` is the angle of the whole face. */
 struct sector {
     double from, to, opening;
 };

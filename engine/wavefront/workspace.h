@@ -22,8 +22,8 @@ struct gd_workspace {
      * NULL. */
     struct gd__list *lists; /* per side */
     double *emitted;        /* for each vertex, the distance with which it last emitted */
-    /* for each vertex, the offset in `wedges` at which the chunks with its present distance begin,
-       in GD__CHUNK_UNITs */
+    /* For each vertex, an offset in `wedges`, in GD__CHUNK_UNITs. The chunks with the vertex'
+       present distance begin there. */
     uint32_t *valid_from;
     /* for each vertex, bucket of the queue in which it waits, or GD_NONE if it does not wait */
     uint32_t *waiting;
