@@ -12,8 +12,8 @@
 
 struct gd__circle {
     bool straight;           /* the circle is a line */
-    struct gd__local centre; /* for a line: the point nearest to the face's middle */
-    double radius; /* for a line: the length whose angle is pi / 2, which is the face's size */
+    struct gd__local centre; /* for a line, the point nearest to the face's middle */
+    double radius;           /* for a line, the length whose angle is pi / 2: the face's size */
     /* Direction towards the face's middle, from which angles are counted, so that angles in the
        face are small. 0 for a line. */
     double zero;

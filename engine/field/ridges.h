@@ -1,18 +1,19 @@
 /* Ridges: a cut locus under construction, as a graph of nodes and parts.
  *
  * DESIGN
- * - A part is a piece of the branch of two sources of one face (sources.h). On this piece, both
- *   sources see the branch, no third source is nearer, and the paths arrive from different
- *   directions.
- * - Two sources are *related* if one is on the paths of the other: two wedges of one source, a
- *   corner and the source behind it, a segment and its end. At each point, their distances differ,
- *   or their distances and their directions are equal. So they have no ridge. Where they are equal,
- *   one of the two sources takes precedence, so that no part is found twice.
+ * - A part is a piece of the branch (voronoi_branch.h) of two sources of one face (sources.h). On
+ *   this piece, both sources see the branch, no third source is nearer, and the paths arrive from
+ *   different directions.
+ * - Two sources are *related* if one lies on the paths from the other. Examples: a corner and a
+ *   source behind it; a segment and its end; a source that is seen through two wedges, which counts
+ *   twice. At each point, their distances differ, or their distances and their directions are
+ *   equal. So they have no ridge. Where both are equal, one of the two sources takes precedence, so
+ *   that no part is found twice.
  * - Parts are labelled with the members of their sources. Members have no influence on the
  *   positions of parts. So there is no nudge as in a Voronoi diagram (voronoi_parts.h).
  * - A ridge along an edge may be found in one of the edge's faces or in both, because the field
- *   stores equally near windows from one or from both sides. Such parts may lie beside their face
- *   by the rounding of a ridge. They are joined to disjoint intervals of the edge.
+ *   stores equally near windows from one or from both sides. Such parts may lie slightly outside
+ *   their face, because ridges are rounded. They are joined to disjoint intervals of the edge.
  * - The ends of parts are matched by position: at a vertex, on an edge, in a face. The number of
  *   parts that end at a position is arbitrary, so ties need no rule. The faces are processed in the
  *   order of their numbers. Ends on an edge wait until both faces of the edge are done, and on an
@@ -74,7 +75,7 @@ struct gd__ridges {
     struct gd__ridge_pair *pair; /* for each part */
     uint32_t *vertex_node;       /* for each vertex; GD_NONE if no part ends there */
     uint32_t *first_waiting;     /* for each edge; GD_NONE if no end waits */
-    bool *has_along;             /* for each edge: true if parts run along it */
+    bool *has_along;             /* for each edge, true if parts run along it */
     struct gd__waiting_end *waiting;
     struct gd__ridge_end *here; /* ends in the current face or on the current edge */
     uint64_t *rivals;           /* scratch of a face: a row of bits for each source */

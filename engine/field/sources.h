@@ -15,10 +15,10 @@
 #include "field/face_frame.h"
 
 struct gd__source {
-    struct gd__local at; /* for a linear source: the frame's origin */
+    struct gd__local at; /* for a linear source, the frame's origin */
     double sigma;        /* distance at `at` */
     bool linear;         /* the source is a segment: it has a strip instead of a sector */
-    /* for a linear source: the gradient of its distance, a unit vector */
+    /* for a linear source, the gradient of its distance: a unit vector */
     struct gd__local gradient;
     bool has_sector; /* false if the source sees the whole face */
     /* unit normals, inwards, of the lines that bound the sector */

@@ -23,11 +23,11 @@
 
 /* A source without its sector. */
 struct gd__focus {
-    struct gd__local at; /* for a point: the position */
+    struct gd__local at; /* position of a point source */
     /* distance of the source; for a linear source, the distance at the frame's origin */
     double sigma;
     bool linear;
-    struct gd__local gradient; /* for a linear source: a unit vector */
+    struct gd__local gradient; /* for a linear source, a unit vector */
 };
 
 static inline struct gd__focus gd__focus_of(const struct gd__source *source)

@@ -103,7 +103,7 @@ struct gd__diagram {
     double *nearest;
     uint32_t changed;       /* number of owners that differ from members.of */
     uint8_t *mixture;       /* for each edge, an enum gd__mixture */
-    uint32_t *first_switch; /* per edge, and one more */
+    uint32_t *first_switch; /* for each edge; one more entry at the end */
     struct gd__node *node;
     struct gd__owner_change *edge_switch;
     struct gd__bisector_part *bisector_part;

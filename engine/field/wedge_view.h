@@ -10,7 +10,7 @@
 
 struct gd__wedge_view {
     const struct gd__chunk *chunk;
-    double length; /* of the edge */
+    double length; /* length of the edge */
     double x, y;   /* the point in the frame of `side`, y >= 0 */
     uint32_t side; /* the side of the edge that belongs to the point's face */
 };
