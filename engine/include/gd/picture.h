@@ -101,13 +101,13 @@ struct gd_picture {
     uint32_t layer_count;
     uint32_t width, height; /* pixels; 0 means 800 x 600 */
     enum gd_view view;
-    /* for GD_VIEW_DIRECTION: vector from the surface to the eye, of any length except 0 */
+    /* for GD_VIEW_DIRECTION, the vector from the surface to the eye, of any length except 0 */
     struct gd_vec3 direction;
     /* Upward direction in the picture, of any length; 0 means y. The component along the line of
        sight is ignored. */
     struct gd_vec3 up;
     double zoom; /* at least 1; with 1 the whole surface just fits into the picture; 0 means 1 */
-    /* for a zoom above 1: the position in the middle of the picture, in the caller's unit; NULL
+    /* for a zoom above 1, the position in the middle of the picture, in the caller's unit; NULL
        means the middle of the surface */
     const struct gd_vec3 *target;
     uint32_t isolines; /* approximate number of isolines, at round distances; 0 means none */

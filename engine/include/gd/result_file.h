@@ -86,7 +86,7 @@ struct gd_result {
     /* line_count + 1 offsets into `points`; a line has at least one point */
     const uint32_t *first;
     uint32_t line_count;
-    /* for isolines: the level of each line, which must be finite; lines of one level must be
+    /* for isolines, the level of each line, which must be finite; lines of one level must be
        consecutive */
     const double *levels;
     /* For a moving object: poses on the line, in ascending order of `along`. If the times of

@@ -168,7 +168,7 @@ struct gd_spline_line {
     struct gd_path path; /* the path through all places, which are joined by geodesics */
     struct gd_spline_place *places;
     uint32_t count;
-    double step; /* with `even` and `spacing`: arc length between two places; otherwise 0 */
+    double step; /* with `even` or `spacing`, arc length between two places; otherwise 0 */
 };
 
 void gd_spline_line_free(struct gd_spline_line *line); /* NULL is allowed */
