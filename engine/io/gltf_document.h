@@ -1,8 +1,8 @@
 /* glTF writing: the state of one file. gltf_write.c writes the mesh and the lines, gltf_motion.c
  * the moving object, gltf_layers.c the layers.
  *
- * Each kind of content appends its nodes, materials, meshes, views, accessors and bytes to the
- * buffers of these lists. gltf_write.c joins the buffers to a file. */
+ * struct gd__gltf_writing has a buffer for each list of the document and one for the binary data.
+ * The three files append to these buffers, and gltf_write.c joins them to a file. */
 #ifndef GD_IO_GLTF_DOCUMENT_H
 #define GD_IO_GLTF_DOCUMENT_H
 
