@@ -21,7 +21,7 @@ struct ring {
     const struct gd_mesh *mesh;
     const struct gd_point *point;
     uint32_t first, end; /* numbers of the sectors: fan entries, or 0 and 1 at an edge */
-    /* at a vertex: the fan entry with angle 0; on an edge: the side */
+    /* at a vertex, the fan entry with angle 0; on an edge, the side */
     uint32_t zero;
     /* total angle around the point; 2 pi at a point of an edge, even at the boundary, where there
        is only one sector */
