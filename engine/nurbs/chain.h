@@ -32,17 +32,17 @@ struct gd__joint {
     enum gd__joint_kind kind;
     double at;        /* the unknown: parameter on the curve, or coordinate along the line */
     double low, high; /* bounds of `at`, which may be infinite */
-    /* For FIXED, the joint's place. For CURVE, the whole periods that are added to the curve's
-       places. */
+    /* For GD__JOINT_FIXED, the joint's place. For GD__JOINT_CURVE, the whole periods that are added
+       to the curve's places. */
     double place[2];
-    /* For CURVE, the curve (borrowed). If `whole`, the joint can be anywhere on it. Otherwise only
-       the polynomial of `interval` is used. */
+    /* For GD__JOINT_CURVE, the curve (borrowed). If `whole` is true, the joint can be anywhere on
+       the curve. Otherwise only the polynomial of `interval` is used. */
     const struct gd_domain_curve *curve;
     uint32_t interval;
     bool whole;
-    /* For LINE, coordinate `axis` has the constant `value`. If the line is a pole that a curve
-       passes, `curve` is this curve and `passes` its parameter at the pole. Otherwise `curve` is
-       NULL. */
+    /* For GD__JOINT_LINE, coordinate `axis` has the constant `value`. If the line is a pole that a
+       curve passes, `curve` is this curve and `passes` its parameter at the pole. Otherwise `curve`
+       is NULL. */
     int axis;
     double value, passes;
 };

@@ -13,7 +13,7 @@ struct gd_domain_curve {
     double (*points)[2];
     bool is_point, closed;
     double low, high;
-    double winding[2]; /* for a closed curve: the change of (u, v) after one period */
+    double winding[2]; /* for a closed curve, the change of (u, v) after one period */
     /* The curve is smooth and stays in one cell of the surface between consecutive breaks. */
     uint32_t break_count; /* at least 2 */
     double *breaks;

@@ -12,7 +12,7 @@
 #include "nurbs/uv_polyline.h"
 
 struct gd__path_seed {
-    double length; /* on the mesh */
+    double length; /* length on the mesh */
     double s[2];   /* parameters on the two curves */
     /* A polyline from the first curve to the second. Its coordinates are continuous across the
        seams of closed directions. Its ends lie exactly on the curves. */
