@@ -18,7 +18,7 @@ struct gd__meetings {
     const struct gd_mesh *mesh;
     const struct gd_control *control;
     uint32_t *newest; /* for each face, its latest segment */
-    bool *is_met;     /* for each vertex: true if the line has passed through it */
+    bool *is_met;     /* for each vertex, true if the line has passed through it */
     struct segment *segments;
     uint32_t count, capacity;
 };
