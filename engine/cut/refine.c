@@ -99,7 +99,7 @@ static void keep_face(struct refining *refining, uint32_t face)
 
 /* --- crossed faces ---------------------------------------------------------------------------- */
 
-/* Makes the face's nodes the sites of the triangulation. */
+/* Copies the face's nodes to the sites of the triangulation. */
 static enum gd_status gather_sites(struct refining *refining, uint32_t face)
 {
     const struct gd__nodes *nodes = &refining->arrangement->nodes;
