@@ -54,7 +54,7 @@ static void take_farthest_vertex(struct search *search)
     }
 }
 
-/* Makes a position of the current face the best one if its exact distance is greater. */
+/* Replaces the best position by a position of the current face whose exact distance is greater. */
 static void offer_place(struct search *search, struct gd__local at)
 {
     struct gd_point point =

@@ -73,7 +73,7 @@ static void keep_parts(struct gd__ridges *ridges, const bool *keep)
     diagram->bisector_part_count = kept;
 }
 
-/* Makes a node an end of lines if its two parts have different members. */
+/* Marks a node as an end of lines if its two parts have different members. */
 static void end_at_members(struct gd__ridges *ridges)
 {
     struct gd__diagram *diagram = &ridges->diagram;

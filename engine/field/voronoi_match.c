@@ -288,8 +288,8 @@ static struct gd__loose_end *find_third(const struct work *work, const struct gd
     return NULL;
 }
 
-/* Makes a triple point of three ends. One of the three bisectors is the border of a shadow and is
- * not computed here. A bridge replaces this bisector. */
+/* Creates a triple point where three ends meet. One of the three bisectors is the border of a
+ * shadow and is not computed here. A bridge replaces this bisector. */
 static enum gd_status match_corner(const struct work *work, struct gd__loose_end *a,
                                    struct gd__loose_end *b, struct gd__loose_end *third)
 {
