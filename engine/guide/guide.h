@@ -81,8 +81,8 @@ bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point
  * the corners of the faces that contain `from`. Errors: those of gd__guide_aim. */
 GD_MUST_USE enum gd_status gd__guide_turn(struct gd__guide *guide, const struct gd_point *from);
 
-/* gd__guide_lower returns a lower bound of the distance from a vertex to the target. At its first
- * use it calls gd__guide_measure, which computes the bound. */
+/* gd__guide_lower returns a lower bound of the distance from a vertex to the target. If the vertex
+ * has no bound yet, it calls gd__guide_measure, which computes the bound. */
 double gd__guide_measure(struct gd__guide *guide, uint32_t vertex);
 static inline double gd__guide_lower(struct gd__guide *guide, uint32_t vertex)
 {
@@ -94,7 +94,7 @@ static inline double gd__guide_lower(struct gd__guide *guide, uint32_t vertex)
  * bound of the distance. */
 double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end);
 
-/* Discards the lower bounds that were computed so far. They are computed again when they are used
+/* Discards the lower bounds that were computed so far. Each bound is computed again when it is used
  * next. Only for the files of this folder. O(vertices touched). */
 void gd__guide_reset_lower(struct gd__guide *guide);
 
