@@ -25,11 +25,11 @@ struct gd_point {
     double weight[3];
 };
 
-/* Makes the point at a vertex. All constructors leave `out` untouched on failure, are thread-safe,
- * and take O(1); gd_point_on_edge takes O(faces around a vertex). Errors, with a sentence in
- * `detail`, which may be NULL: GD_OUT_OF_RANGE (no such element), GD_UNREFERENCED_VERTEX,
- * GD_NO_SUCH_EDGE, GD_NOT_ON_SURFACE (barycentrics whose sum is not 1, or t outside [0,1], by more
- * than 1e-9), GD_INVALID_ARGUMENT (not finite). */
+/* Computes the point at a vertex. All constructors leave `out` untouched on failure, are
+ * thread-safe, and take O(1); gd_point_on_edge takes O(faces around a vertex). Errors, with a
+ * sentence in `detail`, which may be NULL: GD_OUT_OF_RANGE (no such element),
+ * GD_UNREFERENCED_VERTEX, GD_NO_SUCH_EDGE, GD_NOT_ON_SURFACE (barycentrics whose sum is not 1, or t
+ * outside [0,1], by more than 1e-9), GD_INVALID_ARGUMENT (not finite). */
 GD_MUST_USE enum gd_status gd_point_at_vertex(const struct gd_mesh *mesh, struct gd_vertex vertex,
                                               struct gd_point *out, struct gd_detail *detail);
 
