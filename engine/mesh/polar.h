@@ -23,7 +23,7 @@ struct gd__polar {
 bool gd__polar_about(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t vertex,
                      struct gd__polar *out);
 
-/* Computes the polar coordinates of a point about the vertex that it is beside. The vertex must be
+/* Computes the polar coordinates of a point about the vertex beside this point. The vertex must be
  * nearer than GD_TOL_BESIDE_VERTEX times the least altitude of its faces. So a ray from the point
  * crosses edges of the vertex only far from their other ends. Returns false if there is no such
  * vertex. O(degree), and O(1) for points in the middle of their face. */
