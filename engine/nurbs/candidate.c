@@ -280,8 +280,8 @@ static enum gd_status solve_through(const struct gd__task *task, const struct gd
     return status;
 }
 
-/* Computes a path that passes the pole on one side. Makes its initial polyline from the polyline
- * before the pole, a detour, and the polyline after the pole, shifted by `turn`. */
+/* Computes a path that passes the pole on one side. Its initial polyline consists of the seed's
+ * polyline before the pole, a detour, and the seed's polyline after the pole, shifted by `turn`. */
 static enum gd_status solve_beside(const struct gd__task *task, const struct gd__joint ends[2],
                                    const struct gd__uv_polyline *polyline,
                                    const struct visit *visit, double turn,

@@ -23,7 +23,7 @@ GD_MUST_USE enum gd_status gd__class_seed(const struct gd_domain_curve *const en
                                           const struct gd__class *in, uint32_t shape,
                                           struct gd__path_seed *out);
 
-/* Makes an initial path that follows a curve from the first end to the second. Errors:
+/* Computes an initial path that follows a curve from the first end to the second. Errors:
  * GD_INVALID_ARGUMENT (the curve is a point, or does not run from the first end to the second),
  * GD_NO_MEMORY, and those of the pace. */
 GD_MUST_USE enum gd_status gd__initial_seed(const struct gd_domain_curve *const ends[2],

@@ -52,7 +52,7 @@ double gd__contact_length(const struct gd_parametric *surface, const struct gd__
 double gd__contact_least_curvature(const struct gd_parametric *surface,
                                    const struct gd__contact *contact, double *t);
 
-/* Makes a contact that consists of one place of a loop. `at` has the coordinates of this place
+/* Returns a contact that consists of one place of a loop. `at` has the coordinates of this place
  * along the path, which may differ by whole periods. */
 struct gd__contact gd__contact_touch(const struct gd_parametric *surface,
                                      const struct gd__loop_place *place, int direction,

@@ -100,8 +100,8 @@ static bool is_between(const struct gd__task *task, const struct gd__candidate *
            gd_vec3_distance(candidate->middle, pair[1]->middle) > far;
 }
 
-/* Makes polylines between the two paths. Sets *is_level to true if none of them is much longer than
- * the paths. A polyline is much longer, for example, at a corner between two families. */
+/* Computes polylines between the two paths. Sets *is_level to true if none of them is much longer
+ * than the paths. A polyline is much longer, for example, at a corner between two families. */
 static enum gd_status find_level(const struct gd_domain_curve *const ends[2],
                                  const struct gd__candidate *const pair[2], bool *is_level)
 {

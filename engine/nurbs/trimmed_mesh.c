@@ -188,7 +188,7 @@ static int by_place(const void *x, const void *y)
     return p->node < q->node ? -1 : p->node > q->node;
 }
 
-/* Makes one vertex for all nodes that are the same point of the surface. */
+/* Creates one vertex for all nodes that are the same point of the surface. */
 static enum gd_status make_vertices(struct gd_tessellation *t, struct gd__pace *pace)
 {
     struct place *places = malloc((t->node_count + (size_t)1) * sizeof *places);
