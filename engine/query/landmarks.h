@@ -5,8 +5,8 @@
 #include "gd/landmarks.h"
 #include "guide/guide.h"
 
-/* Makes the guide use the landmarks until it is cleaned. Does nothing if `landmarks` is NULL or
- * belongs to another mesh. */
+/* Passes the landmarks to the guide, which uses them until it is cleaned. Does nothing if
+ * `landmarks` is NULL or belongs to another mesh. */
 void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_mesh *mesh,
                          struct gd__guide *guide);
 
