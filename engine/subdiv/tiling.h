@@ -1,7 +1,7 @@
 /* Tiling: the level of each base face and edge, and the numbering of all vertices.
  *
- * The order of vertices is: first the base points; then the inner points of each edge, in the
- * direction of the side that owns it; then the inner points of each face, row by row. */
+ * The base points are the first vertices. The inner points of each edge follow, in the direction of
+ * the side that owns the edge. The inner points of each face are last, row by row. */
 #ifndef GD_SUBDIV_TILING_H
 #define GD_SUBDIV_TILING_H
 
@@ -27,7 +27,7 @@ void gd__tiling_free(struct gd__tiling *tiling);
  * `most` triangles). */
 GD_MUST_USE enum gd_status gd__tiling_number(struct gd__tiling *tiling, uint64_t most);
 
-/* Returns the finest level among a face and its edges. */
+/* Returns the finest of the levels of a face and its edges. */
 uint32_t gd__tiling_finest(const struct gd__tiling *tiling, uint32_t face);
 
 /* Returns vertex `m` of the 2^level + 1 vertices along a side. */
