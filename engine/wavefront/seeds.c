@@ -187,8 +187,8 @@ static void reach_vertex(struct gd__wavefront *front, uint32_t seed)
                         predecessor);
 }
 
-/* Makes the vertex of a seed a pseudo-source, even if it is a convex vertex, unless another seed is
- * nearer. */
+/* The vertex of a seed becomes a pseudo-source, even if it is a convex vertex, unless another seed
+ * is nearer. */
 static void seed_vertex(struct gd__wavefront *front, uint32_t seed)
 {
     uint32_t vertex = front->seeds[seed].point.element;
