@@ -9,8 +9,8 @@
  * if the source were infinitely far away in the direction (x, -y), a unit vector, y > 0. The
  * distance at (t, h) of the frame is sigma - x t + y h. So sigma is the distance at the frame's
  * origin. It has another value in another frame. It may be negative, because the origin may lie
- * outside the window. In homogeneous coordinates the source of a window is (x, -y, 1), and that of
- * a linear window (x, -y, 0). */
+ * outside the window. In homogeneous coordinates the source of a window is (x, -y, 1), and the
+ * source of a linear window is (x, -y, 0). */
 #ifndef GD_WINDOW_WINDOW_H
 #define GD_WINDOW_WINDOW_H
 
@@ -92,7 +92,7 @@ static inline double gd__window_nearest(const struct gd__window *w)
 }
 
 /* Returns true if the source lies on the line of an edge of that length, up to rounding, but not on
- * the edge itself. Such a source makes no window, because the paths along the edge from its end
+ * the edge itself. Such a source casts no window, because the paths along the edge from its end
  * give the same distances. A source on the edge itself sees the edge at all angles, however small y
  * is. */
 static inline bool gd__window_grazes(double x, double y, double length)
