@@ -364,7 +364,7 @@ static void levels_widen(struct gd__levels *levels, struct gd__levels by)
     levels->most = larger(levels->most, by.most);
 }
 
-/* Prefetches what index_face reads of a later face. */
+/* Prefetches the data that index_face reads for a later face. */
 GD__PREFETCH index_prefetch(const struct gd_mesh *mesh, uint32_t face)
 {
     const uint32_t ahead = 32; /* faces */

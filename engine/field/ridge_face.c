@@ -228,8 +228,8 @@ static bool is_ridge(const struct work *work, const struct pair *pair, struct gd
 }
 
 /* Returns true if the exported polyline needs no point between the ends of a part. This must also
- * hold if the ends are moved by `near`, or to a node close by. The test is the one of
- * voronoi_line.c, with half the tolerance. */
+ * hold if the ends are moved by `near`, or to a node close by. The test is that of voronoi_line.c,
+ * with half the tolerance. */
 static bool is_straight(const struct work *work, const struct gd__arc *arc,
                         const struct gd__local end[2], double near)
 {

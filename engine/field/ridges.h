@@ -95,12 +95,12 @@ GD_MUST_USE enum gd_status gd__ridge_foci(struct gd__ridges *ridges, uint32_t pa
                                           struct gd__focus focus[2]);
 
 /* ridge_graph.c: gd__ridges_open allocates the arrays; gd__ridges_held returns the bytes that are
- * held. gd__ridges_free_ends frees what lines do not need. gd__ridges_add appends a part with its
- * ends and, if it is bent, its arc; gd__ridges_bridge appends a straight part between two nodes;
- * gd__ridges_add_along appends a part along an edge. gd__ridges_settle gives nodes to the ends in a
- * face, and to those on its edges whose other face is done. gd__ridges_finish adds the parts along
- * edges and gives nodes to all other ends. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE. */
+ * held. gd__ridges_free_ends frees the arrays that lines do not need. gd__ridges_add appends a part
+ * with its ends and, if it is bent, its arc; gd__ridges_bridge appends a straight part between two
+ * nodes; gd__ridges_add_along appends a part along an edge. gd__ridges_settle gives nodes to the
+ * ends in a face, and to those on its edges whose other face is done. gd__ridges_finish adds the
+ * parts along edges and gives nodes to all other ends. Errors: GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__ridges_open(struct gd__ridges *ridges);
 void gd__ridges_close(struct gd__ridges *ridges);
 void gd__ridges_free_ends(struct gd__ridges *ridges);
