@@ -73,8 +73,8 @@ static enum gd_status seed_between(const struct gd_domain_curve *const ends[2],
 }
 
 /* Returns true if Newton's method hardly moved the ends of a path along their curves. The ends move
- * far if the two paths belong to different families without equally long paths in between, for
- * example to families on the two sides of a corner. */
+ * far if the two paths belong to different families and no equally long paths lie between the two.
+ * An example is a family on each side of a corner. */
 static bool has_stayed(const struct gd_domain_curve *const ends[2],
                        const struct gd__candidate *const pair[2], const struct gd__path_seed *seed,
                        const struct gd__candidate *candidate)
