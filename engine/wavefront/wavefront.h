@@ -241,8 +241,8 @@ void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
                                    const struct gd__window *window);
 
 /* Offers a side one window. If the wavefront accepts every window, the side's key is the distance
- * in the middle of the window. This key orders the queue as well as a key from the distances of the
- * side's ends, which then need not be loaded. */
+ * in the middle of the window. This key is as good for the order of the queue as a key from the
+ * distances of the side's ends. So these distances need not be loaded. */
 static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t side,
                                        const struct gd__window *window)
 {
