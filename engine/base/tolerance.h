@@ -147,9 +147,9 @@
  * this is below rounding. */
 #define GD_TOL_PACKED 1e-6
 
-/* A leg counts as straight if it crosses each edge at most this far from the straight line,
- * relative to the edge. The reason is that the ends of wedges are stored with an error of 2^-32 of
- * the edge. */
+/* A leg counts as straight if its crossing of an edge is off the straight line by at most this part
+ * of the edge. The reason is that the ends of wedges are stored with an error of 2^-32 of the
+ * edge. */
 #define GD_TOL_STRAIGHT 1e-9
 
 /* ENVELOPE: a source that is seen through several wedges has unfolded images that differ by this

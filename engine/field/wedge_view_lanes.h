@@ -2,7 +2,7 @@
  * and wedge_view_avx512.c include it after the lanes' primitives (kernel/lanes_*.h). They define
  * these additional primitives:
  *     load_first, starts_first   read only the first lanes
- *     highs_first                reads the bits of sources that x and y do not hold
+ *     highs_first                reads the bits of sources that are stored beside x and y
  *     sources_of                 adds the bits that are stored in x and y (mask `nibble`)
  *     without                    clears bits
  *     gather                     reads an array at the ids of a mask's lanes; 0 in other lanes
