@@ -3,16 +3,9 @@
 #include "base/share.h"
 #include "base/tolerance.h"
 #include "cut/pieces.h"
+#include "line/turn.h"
 
 /* --- the curve -------------------------------------------------------------------------------- */
-
-static bool is_on_boundary(const struct gd_mesh *mesh, const struct gd_point *point)
-{
-    if (point->kind == GD_POINT_VERTEX)
-        return mesh->vertex_kind[point->element] == GD_VERTEX_BOUNDARY;
-    return point->kind == GD_POINT_EDGE && (gd__side_is_boundary(mesh, 2 * point->element) ||
-                                            gd__side_is_boundary(mesh, 2 * point->element + 1));
-}
 
 /* Rejects an open curve whose ends are not on the boundary, unless both ends are the same point. */
 static enum gd_status check_ends(const struct gd_mesh *mesh, const struct gd_curve *curve,
@@ -20,8 +13,8 @@ static enum gd_status check_ends(const struct gd_mesh *mesh, const struct gd_cur
 {
     const struct gd_point *first = &curve->points[0], *last = &curve->points[curve->count - 1];
     if (curve->closed || (curve->count > 1 && gd_point_equal(first, last))) return GD_OK;
-    bool is_first = !is_on_boundary(mesh, first);
-    if (!is_first && is_on_boundary(mesh, last)) return GD_OK;
+    bool is_first = gd__turn_is_closed(mesh, first);
+    if (!is_first && !gd__turn_is_closed(mesh, last)) return GD_OK;
     return gd_fail(detail, GD_INVALID_ARGUMENT,
                    "the %s point of the open curve is not on a boundary; close the curve, or move "
                    "both ends to boundary edges",

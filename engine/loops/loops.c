@@ -143,6 +143,21 @@ static double apart(const struct gd__loops *loops, const double a[2], const doub
     return hypot((a[0] - b[0]) / loops->width[0], (a[1] - b[1]) / loops->width[1]);
 }
 
+/* Returns the scaled distance of the place `at` from a segment, and sets *part to the position of
+ * the nearest place on the segment, from 0 to 1. */
+static double segment_gap(const struct gd__loops *loops, const double from[2], const double to[2],
+                          const double at[2], double *part)
+{
+    double run[2], rise[2];
+    for (int k = 0; k < 2; k++) {
+        run[k] = (to[k] - from[k]) / loops->width[k];
+        rise[k] = (at[k] - from[k]) / loops->width[k];
+    }
+    double square = run[0] * run[0] + run[1] * run[1], dot = run[0] * rise[0] + run[1] * rise[1];
+    *part = square > 0 ? fmin(fmax(dot / square, 0), 1) : 0;
+    return hypot(rise[0] - *part * run[0], rise[1] - *part * run[1]);
+}
+
 /* Returns the greatest scaled distance of a span's control points from its first one. */
 static double span_extent(const struct gd__loops *loops, const struct gd__span *span)
 {
@@ -318,22 +333,6 @@ struct sampling {
     struct gd__loop_samples *out;
 };
 
-/* Returns the scaled distance of a place of the span from the chord between two other places. */
-static double chord_gap(const struct sampling *by, const double a[2], const double b[2], double t)
-{
-    struct gd__span_jet c;
-    double run[2], rise[2];
-    gd__span_jet(by->span, t, &c);
-    for (int k = 0; k < 2; k++) {
-        run[k] = (b[k] - a[k]) / by->loops->width[k];
-        rise[k] = (c.at[k] - a[k]) / by->loops->width[k];
-    }
-    double square = run[0] * run[0] + run[1] * run[1];
-    double part = square > 0 ? (run[0] * rise[0] + run[1] * rise[1]) / square : 0;
-    part = fmin(fmax(part, 0), 1);
-    return hypot(rise[0] - part * run[0], rise[1] - part * run[1]);
-}
-
 /* Adds the samples of [low, high) of a span. Halves this interval while it bends or is too long. */
 static enum gd_status sample_part(const struct sampling *by, double low, double high, int depth)
 {
@@ -343,8 +342,12 @@ static enum gd_status sample_part(const struct sampling *by, double low, double 
     gd__span_jet(by->span, high, &b);
     bool is_fine = depth >= (by->span->is_straight ? 0 : DEPTH_LEAST) &&
                    apart(by->loops, a.at, b.at) <= by->longest;
-    for (int i = 1; i < 4 && is_fine && !by->span->is_straight; i++)
-        is_fine = chord_gap(by, a.at, b.at, low + 0.25 * i * (high - low)) <= 0.5 * GD__LOOPS_SAG;
+    for (int i = 1; i < 4 && is_fine && !by->span->is_straight; i++) {
+        struct gd__span_jet c;
+        double part;
+        gd__span_jet(by->span, low + 0.25 * i * (high - low), &c);
+        is_fine = segment_gap(by->loops, a.at, b.at, c.at, &part) <= 0.5 * GD__LOOPS_SAG;
+    }
     if (is_fine || depth == DEPTH_MOST) return add_sample(by->out, a.at, by->base + low);
     double middle = 0.5 * (low + high);
     enum gd_status status = sample_part(by, low, middle, depth + 1);
@@ -432,15 +435,7 @@ static void nearest_sample(const struct gd__loops *loops, const double at[2],
         uint32_t first = samples->first[i], count = samples->first[i + 1] - first;
         for (uint32_t k = 0; k < count; k++) {
             const double *a = samples->at[first + k], *b = samples->at[first + (k + 1) % count];
-            double run[2], rise[2], square = 0, dot = 0;
-            for (int c = 0; c < 2; c++) {
-                run[c] = (b[c] - a[c]) / loops->width[c];
-                rise[c] = (at[c] - a[c]) / loops->width[c];
-                square += run[c] * run[c];
-                dot += run[c] * rise[c];
-            }
-            double part = square > 0 ? fmin(fmax(dot / square, 0), 1) : 0;
-            double distance = hypot(rise[0] - part * run[0], rise[1] - part * run[1]);
+            double part, distance = segment_gap(loops, a, b, at, &part);
             if (distance >= best) continue;
             best = distance;
             double from = samples->s[first + k];

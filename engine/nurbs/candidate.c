@@ -318,31 +318,21 @@ static enum gd_status solve_candidates(const struct gd__task *task, const struct
                                        const struct gd__uv_polyline *polyline,
                                        struct gd__candidate *out, uint32_t *count)
 {
-    struct visit visit;
-    bool visits = find_visit(task->surface, polyline, &visit);
+    struct visit visit = {0};
+    bool visits = find_visit(task->surface, polyline, &visit), exact = visits && visit.exact;
+    double period = visits ? gd__axis_period(task->surface->axis[1 - visit.axis]) : 0;
+    uint32_t from = exact ? visit.place - 1 : 0, to = exact ? visit.place + 1 : polyline->count - 1,
+             made = 0;
+    double apart = polyline->at[to][1 - visit.axis] - polyline->at[from][1 - visit.axis];
     enum gd_status status = GD_OK;
-    uint32_t made = 0;
     if (visits) status = solve_through(task, joint, polyline, &visit, &out[made]), made += !status;
-    if (visits && visit.exact && !status) {
-        double apart = polyline->at[visit.place + 1][1 - visit.axis] -
-                       polyline->at[visit.place - 1][1 - visit.axis];
-        double period = gd__axis_period(task->surface->axis[1 - visit.axis]);
+    if (exact && !status)
         status = solve_beside(task, joint, polyline, &visit, 0, &out[made]), made += !status;
-        if (!status && period > 0)
-            status = solve_beside(task, joint, polyline, &visit, apart > 0 ? -period : period,
-                                  &out[made]),
-            made += !status;
-    } else if (!status) {
-        double period = visits ? gd__axis_period(task->surface->axis[1 - visit.axis]) : 0;
-        if (period > 0) {
-            double apart =
-                polyline->at[polyline->count - 1][1 - visit.axis] - polyline->at[0][1 - visit.axis];
-            status = solve_beside(task, joint, polyline, &visit, apart > 0 ? -period : period,
-                                  &out[made]);
-            made += !status;
-        }
-    }
-    if (!status && !(visits && visit.exact)) {
+    if (period > 0 && !status)
+        status =
+            solve_beside(task, joint, polyline, &visit, apart > 0 ? -period : period, &out[made]),
+        made += !status;
+    if (!exact && !status) {
         out[made] = (struct gd__candidate){.parts = 1};
         status = gd__solve_coarse(task, polyline, &joint[0], &joint[1], &out[made].part[0]);
         made += !status;
