@@ -70,17 +70,29 @@ static double steps_of(const struct cell_size *size, double step, double deviati
     return fmax(steps, ceil(LEAST_STEPS * share));
 }
 
-static enum gd_status nurbs_grid_divide(const struct cell_size *sizes, uint32_t cells, double step,
-                                        double deviation, double **out, uint32_t *steps)
+/* The steps of one direction. If `fixed` is not 0, there is one cell, which gets this number of
+ * steps. */
+struct division {
+    double step, deviation;
+    uint32_t fixed;
+};
+
+static double parts_of(const struct division *by, const struct cell_size *size, uint32_t cells)
+{
+    return by->fixed ? by->fixed : steps_of(size, by->step, by->deviation, 1.0 / cells);
+}
+
+static enum gd_status nurbs_grid_divide(const struct cell_size *sizes, uint32_t cells,
+                                        const struct division *by, double **out, uint32_t *steps)
 {
     double count = 0;
-    for (uint32_t i = 0; i < cells; i++) count += steps_of(&sizes[i], step, deviation, 1.0 / cells);
+    for (uint32_t i = 0; i < cells; i++) count += parts_of(by, &sizes[i], cells);
     if (!(count <= GD_TESSELLATION_FACES_MAX)) return GD_TOO_LARGE;
     double *at = malloc(((size_t)count + 1) * sizeof *at);
     if (!at) return GD_NO_MEMORY;
     uint32_t filled = 0;
     for (uint32_t i = 0; i < cells; i++) {
-        double parts = steps_of(&sizes[i], step, deviation, 1.0 / cells);
+        double parts = parts_of(by, &sizes[i], cells);
         for (uint32_t j = 0; j < (uint32_t)parts; j++)
             at[filled++] = sizes[i].low + (sizes[i].high - sizes[i].low) * j / parts;
     }
@@ -90,54 +102,31 @@ static enum gd_status nurbs_grid_divide(const struct cell_size *sizes, uint32_t 
     return GD_OK;
 }
 
-/* Divides a direction into the requested number of equal steps, and ignores the surface's lines. */
-static enum gd_status divide_evenly(const struct gd_axis *axis, uint32_t steps, double **out)
-{
-    double *at = malloc((steps + (size_t)1) * sizeof *at);
-    if (!at) return GD_NO_MEMORY;
-    for (uint32_t i = 0; i < steps; i++) at[i] = axis->low + (axis->high - axis->low) * i / steps;
-    at[steps] = axis->high;
-    *out = at;
-    return GD_OK;
-}
-
-static enum gd_status make_even(const struct gd_parametric *surface, const uint32_t steps[2],
-                                struct gd__grid *out)
-{
-    struct gd__grid grid = {.steps = {steps[0], steps[1]}};
-    enum gd_status status =
-        2.0 * steps[0] * steps[1] > GD_TESSELLATION_FACES_MAX ? GD_TOO_LARGE : GD_OK;
-    for (int k = 0; k < 2 && !status; k++)
-        status = divide_evenly(surface->axis[k], steps[k], &grid.at[k]);
-    if (status)
-        gd__grid_free(&grid);
-    else
-        *out = grid;
-    return status;
-}
-
 enum gd_status gd__grid_make(const struct gd_parametric *surface,
                              const struct gd_tessellation_options *options, struct gd__grid *out)
 {
-    if (options && options->steps[0]) return make_even(surface, options->steps, out);
+    static const struct gd_tessellation_options usual = {0};
+    if (!options) options = &usual;
     struct gd__grid grid = {0};
     struct cell_size *sizes[2] = {0};
-    double lengths[2] = {0};
+    double lengths[2] = {0}, faces = options->faces ? options->faces : GD_TESSELLATION_FACES;
+    uint32_t cells[2];
     enum gd_status status = GD_OK;
     for (int k = 0; k < 2; k++) {
-        uint32_t cells = surface->axis[k]->line_count + 1;
-        sizes[k] = malloc(cells * sizeof **sizes);
+        const struct gd_axis *axis = surface->axis[k];
+        cells[k] = options->steps[0] ? 1 : axis->line_count + 1;
+        sizes[k] = malloc(cells[k] * sizeof **sizes);
         if (!sizes[k]) status = GD_NO_MEMORY;
-        for (uint32_t i = 0; i < cells && !status; i++)
-            sizes[k][i] = nurbs_grid_measure(surface, k, (int32_t)i);
-        if (!status) lengths[k] = total_length(sizes[k], cells);
+        for (uint32_t i = 0; i < cells[k] && !status; i++)
+            sizes[k][i] = options->steps[0] ? (struct cell_size){axis->low, axis->high, 0, 0}
+                                            : nurbs_grid_measure(surface, k, (int32_t)i);
+        if (!status) lengths[k] = total_length(sizes[k], cells[k]);
     }
-    double faces = options && options->faces ? options->faces : GD_TESSELLATION_FACES;
-    double step = sqrt(2 * lengths[0] * lengths[1] / faces),
-           deviation = options ? options->deviation : 0;
-    for (int k = 0; k < 2 && !status; k++)
-        status = nurbs_grid_divide(sizes[k], surface->axis[k]->line_count + 1, step, deviation,
-                                   &grid.at[k], &grid.steps[k]);
+    double step = sqrt(2 * lengths[0] * lengths[1] / faces);
+    for (int k = 0; k < 2 && !status; k++) {
+        const struct division by = {step, options->deviation, options->steps[k]};
+        status = nurbs_grid_divide(sizes[k], cells[k], &by, &grid.at[k], &grid.steps[k]);
+    }
     free(sizes[0]);
     free(sizes[1]);
     if (!status && 2.0 * grid.steps[0] * grid.steps[1] > GD_TESSELLATION_FACES_MAX)
