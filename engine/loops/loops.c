@@ -316,13 +316,9 @@ static enum gd_status add_sample(struct gd__loop_samples *out, const double at[2
     if (out->count >= SAMPLES_MOST) return GD_TOO_LARGE;
     enum gd_status status =
         gd__array_extend(&out->at, &out->capacity, out->count + 1ULL, sizeof *out->at, NULL);
-    if (!status)
-        status =
-            gd__array_extend(&out->s, &out->s_capacity, out->count + 1ULL, sizeof *out->s, NULL);
     if (status) return status;
     memcpy(out->at[out->count], at, sizeof *out->at);
-    out->s[out->count++] = s;
-    return GD_OK;
+    return gd__array_append(&out->s, &out->count, &out->s_capacity, &s, sizeof s);
 }
 
 struct sampling {

@@ -229,11 +229,10 @@ struct division {
 
 static enum gd_status open_gap(struct gd__taut_parts *parts, const double at[2])
 {
-    enum gd_status status = gd__array_extend(&parts->gaps, &parts->gap_capacity,
-                                             parts->gap_count + 1ULL, sizeof *parts->gaps, NULL);
-    if (status) return status;
-    parts->gaps[parts->gap_count++] = (struct gd__uv_polyline){0};
-    return gd__uv_polyline_add(&parts->gaps[parts->gap_count - 1], at);
+    const struct gd__uv_polyline none = {0};
+    enum gd_status status =
+        gd__array_append(&parts->gaps, &parts->gap_count, &parts->gap_capacity, &none, sizeof none);
+    return status ? status : gd__uv_polyline_add(&parts->gaps[parts->gap_count - 1], at);
 }
 
 /* Ends the current gap at a contact, and begins the next one there. */

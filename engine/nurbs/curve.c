@@ -105,10 +105,7 @@ static enum gd_status add_break(struct gd_domain_curve *curve, struct breaking *
 {
     double near = GD_TOL_ADJACENT * (curve->high - curve->low);
     if (curve->break_count && s - curve->breaks[curve->break_count - 1] <= near) return GD_OK;
-    enum gd_status status = gd__array_extend(&curve->breaks, &breaking->capacity,
-                                             curve->break_count + 1ULL, sizeof s, NULL);
-    if (!status) curve->breaks[curve->break_count++] = s;
-    return status;
+    return gd__array_append(&curve->breaks, &curve->break_count, &breaking->capacity, &s, sizeof s);
 }
 
 /* Returns the parameter between a and b where coordinate k enters another cell, by bisection. */

@@ -26,10 +26,7 @@ struct cuts {
 static enum gd_status add_cut(struct cuts *cuts, const struct cut *cut)
 {
     if (cuts->count == CUTS_MOST) return GD_INTERNAL;
-    enum gd_status status =
-        gd__array_extend(&cuts->cut, &cuts->capacity, cuts->count + 1ULL, sizeof *cuts->cut, NULL);
-    if (!status) cuts->cut[cuts->count++] = *cut;
-    return status;
+    return gd__array_append(&cuts->cut, &cuts->count, &cuts->capacity, cut, sizeof *cut);
 }
 
 /* --- cells ------------------------------------------------------------------------------------ */

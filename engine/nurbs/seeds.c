@@ -165,15 +165,6 @@ enum gd_status gd__path_seed_attach(const struct gd_domain_curve *const ends[2],
     return GD_OK;
 }
 
-static enum gd_status nurbs_seeds_keep(struct search *search, const struct gd__path_seed *seed)
-{
-    struct gd__path_seeds *seeds = &search->seeds;
-    enum gd_status status = gd__array_extend(&seeds->seed, &seeds->capacity, seeds->count + 1ULL,
-                                             sizeof *seeds->seed, NULL);
-    if (!status) seeds->seed[seeds->count++] = *seed;
-    return status;
-}
-
 /* Adds the path through a point of the mesh that consists of the shortest paths from the point to
  * both curves. */
 static enum gd_status add_seed(struct search *search, const struct gd_point *point)
@@ -190,7 +181,10 @@ static enum gd_status add_seed(struct search *search, const struct gd_point *poi
     seed.length = path[0].length + path[1].length;
     gd_path_free(&path[0]);
     gd_path_free(&path[1]);
-    if (!status) status = nurbs_seeds_keep(search, &seed);
+    struct gd__path_seeds *seeds = &search->seeds;
+    if (!status)
+        status =
+            gd__array_append(&seeds->seed, &seeds->count, &seeds->capacity, &seed, sizeof seed);
     if (status) gd__uv_polyline_free(&seed.polyline);
     return status;
 }

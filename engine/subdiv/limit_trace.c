@@ -1,6 +1,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/array.h"
 #include "subdiv/tracer.h"
 
 void gd_limit_path_free(struct gd_limit_path *path)
@@ -10,37 +11,35 @@ void gd_limit_path_free(struct gd_limit_path *path)
     *path = (struct gd_limit_path){0};
 }
 
-static enum gd_status limit_trace_append(struct gd_limit_path *path,
-                                         const struct gd_subdivision *surface,
+/* A path in the making. */
+struct line {
+    struct gd_limit_path path;
+    uint32_t capacity;
+};
+
+static enum gd_status limit_trace_append(struct line *line, const struct gd__tracer *tracer,
                                          const struct gd__face_place *local,
-                                         struct gd_vec3 position)
+                                         const struct gd_control *control)
 {
-    uint32_t count = path->step_count;
-    /* the array is full, because its capacity is the next power of two */
-    if ((count & (count - 1)) == 0) {
-        struct gd_limit_step *steps =
-            realloc(path->steps, (count ? 2 * (size_t)count : 1) * sizeof *steps);
-        if (!steps) return GD_NO_MEMORY;
-        path->steps = steps;
-    }
-    path->steps[path->step_count++] =
-        (struct gd_limit_step){gd__place_of(surface, local), position, path->length};
+    struct gd_limit_path *path = &line->path;
+    enum gd_status status = gd__array_extend(&path->steps, &line->capacity, path->step_count + 1ULL,
+                                             sizeof *path->steps, control);
+    if (status) return status;
+    path->steps[path->step_count++] = (struct gd_limit_step){
+        gd__place_of(tracer->walker->surface, local), tracer->position, path->length};
     return GD_OK;
 }
 
 /* Makes steps until the path has the requested length or cannot continue. */
 static enum gd_status limit_trace_follow(struct gd__tracer *tracer, double length,
-                                         const struct gd_control *control,
-                                         struct gd_limit_path *path)
+                                         const struct gd_control *control, struct line *line)
 {
-    const struct gd_subdivision *surface = tracer->walker->surface;
+    struct gd_limit_path *path = &line->path;
     enum gd_status status = GD_OK;
     while (!status && !tracer->ended && path->length < length) {
         if (path->step_count % 8 == 1) status = gd_control_check(control, path->length / length);
-        if (!status)
-            status = gd_control_afford(control, 3 * (size_t)path->step_count * sizeof *path->steps);
         if (!status) status = gd__tracer_step(tracer, length - path->length, &path->length);
-        if (!status) status = limit_trace_append(path, surface, &tracer->local, tracer->position);
+        if (!status) status = limit_trace_append(line, tracer, &tracer->local, control);
         if (!status && path->step_count >= GD_LIMIT_STEPS) {
             tracer->ended = true;
             tracer->end = GD_LIMIT_END_STEPS;
@@ -78,24 +77,24 @@ enum gd_status gd_limit_trace(const struct gd_subdivision *surface,
     status = gd__walker_create(&walker, surface, 3, control);
     if (status) return status;
     struct gd__tracer tracer;
-    struct gd_limit_path path = {0};
+    struct line line = {0};
     struct gd__face_place local = gd__face_place_of(surface, &place);
     status = gd__tracer_start(&tracer, &walker, &local,
                               gd_vec3_scale(direction, 1 / gd_vec3_length(direction)));
     if (status == GD_INVALID_ARGUMENT)
         gd_fail(detail, status,
                 "the direction is normal to the surface: choose one with a part along it");
-    if (!status) status = limit_trace_append(&path, surface, &local, tracer.position);
-    if (!status) status = limit_trace_follow(&tracer, length, control, &path);
+    if (!status) status = limit_trace_append(&line, &tracer, &local, control);
+    if (!status) status = limit_trace_follow(&tracer, length, control, &line);
     if (status == GD_INTERNAL)
         gd_fail(detail, status,
                 "the geodesic can't be followed beyond %g of its length, in face %u: control "
                 "points all but coincide there",
-                path.length, path.steps[path.step_count - 1].place.face);
+                line.path.length, line.path.steps[line.path.step_count - 1].place.face);
     gd__walker_free(&walker);
     if (status)
-        gd_limit_path_free(&path);
+        gd_limit_path_free(&line.path);
     else
-        *out = path;
+        *out = line.path;
     return status;
 }
