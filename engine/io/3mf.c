@@ -17,11 +17,6 @@ bool gd__3mf_recognise(struct gd__scan scan)
     return scan.end - scan.begin >= 4 && memcmp(scan.begin, "PK\3\4", 4) == 0;
 }
 
-static enum gd_status fail_memory(const struct gd__3mf *package)
-{
-    return gd_fail(package->detail, GD_NO_MEMORY, "the system is out of memory");
-}
-
 /* --- parts ------------------------------------------------------------------------------------ */
 
 bool gd__3mf_grow(void **array, uint32_t count, uint32_t *capacity, size_t item)
@@ -58,7 +53,7 @@ static enum gd_status read_parts(struct gd__3mf *package)
     uint32_t first;
     enum gd_status status = gd__3mf_find_model(package, model);
     if (status == GD_OK) status = gd__3mf_name_part(package, model, &first);
-    if (status == GD_NO_MEMORY) return fail_memory(package);
+    if (status == GD_NO_MEMORY) return gd_fail_status(package->detail, status);
     for (uint32_t part = 0; status == GD_OK && part < package->part_count; part++)
         status = gd__3mf_read_model(package, part);
     return status;
@@ -167,7 +162,7 @@ struct sum {
 static enum gd_status survey(struct gd__3mf *package, struct sum *out)
 {
     uint32_t *order = malloc((package->object_count + (size_t)1) * sizeof *order);
-    if (!order) return fail_memory(package);
+    if (!order) return gd_fail_status(package->detail, GD_NO_MEMORY);
     enum gd_status status = link_uses(package, order);
     free(order);
     if (status == GD_OK) status = add_up_all(package);

@@ -411,8 +411,7 @@ static enum gd_status read_part(struct model *model, XML_StartElementHandler beg
                        package->size, (unsigned long long)size, GD__3MF_INFLATION);
     xml_bytes = 0;
     model->parser = XML_ParserCreate_MM(NULL, &memory, NULL);
-    if (!model->parser)
-        return gd_fail(package->detail, GD_NO_MEMORY, "the system is out of memory");
+    if (!model->parser) return gd_fail_status(package->detail, GD_NO_MEMORY);
     XML_SetHashSalt(model->parser, (unsigned long)gd_now_ns() | 1);
     XML_SetUserData(model->parser, model);
     XML_SetElementHandler(model->parser, begin, end_element);

@@ -52,16 +52,22 @@ void gd__builder_free(struct gd__builder *builder)
 
 static enum gd_status no_memory(const struct gd__builder *builder)
 {
-    return gd_fail(builder->scan->detail, GD_NO_MEMORY, "the system is out of memory");
+    return gd_fail_status(builder->scan->detail, GD_NO_MEMORY);
 }
 
-/* Resizes an array to `capacity` items. Returns NULL if there is no memory; the array is then
- * unchanged. */
-static void *resized(void *array, size_t capacity, size_t item)
+/* Resizes the array whose pointer is stored at the address `array` to `wanted` items. Returns false
+ * if there is no memory; the array is then unchanged. */
+static bool resize(void *array, size_t *capacity, size_t wanted, size_t item)
 {
+    void *items;
     size_t bytes;
-    if (__builtin_mul_overflow(capacity, item, &bytes)) return NULL;
-    return array ? realloc(array, bytes) : gd__large_array(capacity, item);
+    memcpy(&items, array, sizeof items);
+    if (__builtin_mul_overflow(wanted, item, &bytes)) return false;
+    items = items ? realloc(items, bytes) : gd__large_array(wanted, item);
+    if (!items) return false;
+    memcpy(array, &items, sizeof items);
+    *capacity = wanted;
+    return true;
 }
 
 static size_t grown(size_t capacity)
@@ -71,29 +77,18 @@ static size_t grown(size_t capacity)
 
 static bool resize_positions(struct gd__builder *builder, size_t capacity)
 {
-    double(*positions)[3] = resized(builder->positions, capacity, sizeof *positions);
-    if (!positions) return false;
-    builder->positions = positions;
-    builder->position_capacity = capacity;
-    return true;
+    return resize(&builder->positions, &builder->position_capacity, capacity,
+                  sizeof *builder->positions);
 }
 
 static bool resize_corners(struct gd__builder *builder, size_t capacity)
 {
-    uint32_t *corners = resized(builder->corners, capacity, sizeof *corners);
-    if (!corners) return false;
-    builder->corners = corners;
-    builder->corner_capacity = capacity;
-    return true;
+    return resize(&builder->corners, &builder->corner_capacity, capacity, sizeof *builder->corners);
 }
 
 static bool resize_first(struct gd__builder *builder, size_t capacity)
 {
-    uint32_t *first = resized(builder->first, capacity, sizeof *first);
-    if (!first) return false;
-    builder->first = first;
-    builder->first_capacity = capacity;
-    return true;
+    return resize(&builder->first, &builder->first_capacity, capacity, sizeof *builder->first);
 }
 
 struct gd__pace gd__builder_pace(const struct gd__builder *builder)

@@ -68,15 +68,19 @@ static enum gd_status read_sharpness(const struct tag *tag, int64_t index, doubl
     return index < tag->counts.real ? gd__scan_number(tag->scan, value) : GD_OK;
 }
 
+/* Checks the counts of a tag, and that it has no more values than its line has characters. */
 static enum gd_status check_counts(const struct tag *tag, int64_t least, int64_t items)
 {
     const struct counts *counts = &tag->counts;
-    if (counts->whole >= least && (counts->real == 1 || counts->real == items) && counts->text == 0)
-        return GD_OK;
-    return gd__scan_fail(tag->scan, tag->place, GD_SYNTAX,
-                         "the tag has %lld integers and %lld real numbers; give one sharpness for "
-                         "all items, or one for each item",
-                         (long long)counts->whole, (long long)counts->real);
+    if (counts->whole < least || (counts->real != 1 && counts->real != items) || counts->text != 0)
+        return gd__scan_fail(tag->scan, tag->place, GD_SYNTAX,
+                             "the tag has %lld integers and %lld real numbers; give one sharpness "
+                             "for all items, or one for each item",
+                             (long long)counts->whole, (long long)counts->real);
+    if ((uint64_t)counts->whole <= gd__scan_left(tag->scan)) return GD_OK;
+    return gd__scan_fail(tag->scan, tag->place, GD_TRUNCATED,
+                         "the tag declares %lld integers, but its line ends before them",
+                         (long long)counts->whole);
 }
 
 static void *grown(void *array, uint32_t count, int64_t more, size_t size)
@@ -84,21 +88,11 @@ static void *grown(void *array, uint32_t count, int64_t more, size_t size)
     return realloc(array, (count + (size_t)more + 1) * size);
 }
 
-/* Checks that a tag has no more values than its line has characters. */
-static enum gd_status check_length(const struct tag *tag)
-{
-    if ((uint64_t)tag->counts.whole <= gd__scan_left(tag->scan)) return GD_OK;
-    return gd__scan_fail(tag->scan, tag->place, GD_TRUNCATED,
-                         "the tag declares %lld integers, but its line ends before them",
-                         (long long)tag->counts.whole);
-}
-
 static enum gd_status read_crease(const struct tag *tag)
 {
     struct gd_control_mesh *mesh = tag->mesh;
     int64_t edges = tag->counts.whole - 1;
     enum gd_status status = check_counts(tag, 2, edges);
-    if (!status) status = check_length(tag);
     if (status) return status;
     struct gd_crease *creases = grown(mesh->creases, mesh->crease_count, edges, sizeof *creases);
     if (!creases) return GD_NO_MEMORY;
@@ -125,7 +119,6 @@ static enum gd_status read_corner(const struct tag *tag)
     struct gd_control_mesh *mesh = tag->mesh;
     int64_t count = tag->counts.whole;
     enum gd_status status = check_counts(tag, 1, count);
-    if (!status) status = check_length(tag);
     if (status) return status;
     struct gd_corner *corners = grown(mesh->corners, mesh->corner_count, count, sizeof *corners);
     if (!corners) return GD_NO_MEMORY;

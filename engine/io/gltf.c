@@ -112,6 +112,19 @@ enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object, cons
     return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' must have %u numbers", name, count);
 }
 
+enum gd_status gd__gltf_items(const struct gd__gltf *gltf, uint32_t object, const char *name,
+                              uint32_t *begin, uint32_t *end)
+{
+    uint32_t list = gd__json_member(&gltf->json, object, name);
+    *begin = *end = 0;
+    if (list == GD__NO_VALUE) return GD_OK;
+    if (!gd__json_is(&gltf->json, list, '['))
+        return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' is not an array", name);
+    *begin = list + 1;
+    *end = gd__json_next(&gltf->json, list);
+    return GD_OK;
+}
+
 /* --- the document ----------------------------------------------------------------------------- */
 
 /* Returns true if the extension does not change the shape of the meshes. */
@@ -172,27 +185,16 @@ static enum gd_status check_version(const struct gd__gltf *gltf)
                          "the file is not of version 2 of glTF, only 2.0 is read: convert it");
 }
 
-static uint32_t count_items(const struct gd__json *json, uint32_t list)
-{
-    uint32_t count = 0;
-    for (uint32_t item = list + 1; item < gd__json_next(json, list);
-         item = gd__json_next(json, item))
-        count++;
-    return count;
-}
-
 static enum gd_status read_list(const struct gd__gltf *gltf, struct gd__gltf_list *list)
 {
-    const struct gd__json *json = &gltf->json;
-    uint32_t value = gd__json_member(json, 0, list->name);
-    if (value == GD__NO_VALUE) return GD_OK;
-    if (!gd__json_is(json, value, '['))
-        return gd__gltf_fail(gltf, value, GD_SYNTAX, "'%s' is not an array", list->name);
-    list->values = malloc((count_items(json, value) + (size_t)1) * sizeof *list->values);
-    if (!list->values)
-        return gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
-    for (uint32_t item = value + 1; item < gd__json_next(json, value);
-         item = gd__json_next(json, item))
+    uint32_t first, end;
+    enum gd_status status = gd__gltf_items(gltf, 0, list->name, &first, &end);
+    size_t count = 0;
+    for (uint32_t item = first; item < end; item = gd__json_next(&gltf->json, item)) count++;
+    if (status != GD_OK || count == 0) return status;
+    list->values = malloc(count * sizeof *list->values);
+    if (!list->values) return gd_fail_status(gltf->scan.detail, GD_NO_MEMORY);
+    for (uint32_t item = first; item < end; item = gd__json_next(&gltf->json, item))
         list->values[list->count++] = item;
     return GD_OK;
 }
@@ -210,8 +212,7 @@ static enum gd_status read_lists(struct gd__gltf *gltf)
                                GD__GLTF_BUFFERS);
     if (status != GD_OK) return status;
     gltf->loaded = calloc(gltf->buffers.count + (size_t)1, sizeof *gltf->loaded);
-    return gltf->loaded ? GD_OK
-                        : gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
+    return gltf->loaded ? GD_OK : gd_fail_status(gltf->scan.detail, GD_NO_MEMORY);
 }
 
 static void free_document(struct gd__gltf *gltf)
@@ -306,39 +307,6 @@ static enum gd_status open_file(const struct gd__scan *scan, const struct gd_con
 
 /* --- the scene -------------------------------------------------------------------------------- */
 
-struct counting {
-    struct gd__gltf_visitor visitor; /* must be the first member */
-    const struct gd__gltf *gltf;
-    struct gd__gltf_sum sum;
-};
-
-static enum gd_status count_mesh(struct gd__gltf_visitor *visitor, uint32_t mesh,
-                                 const struct gd__place *place)
-{
-    struct counting *counting = (struct counting *)visitor;
-    (void)place;
-    return gd__gltf_count_mesh(counting->gltf, mesh, &counting->sum);
-}
-
-static enum gd_status count(const struct gd__gltf *gltf, struct gd__gltf_sum *out)
-{
-    struct counting counting = {.visitor = {count_mesh}, .gltf = gltf};
-    enum gd_status status = gd__gltf_walk(gltf, &counting.visitor);
-    if (status == GD_OK) *out = counting.sum;
-    return status;
-}
-
-struct placing {
-    struct gd__gltf_visitor visitor; /* must be the first member */
-    struct gd__gltf_making making;
-};
-
-static enum gd_status make_mesh(struct gd__gltf_visitor *visitor, uint32_t mesh,
-                                const struct gd__place *place)
-{
-    return gd__gltf_make_mesh(&((struct placing *)visitor)->making, mesh, place);
-}
-
 static enum gd_status fail_empty(const struct gd__gltf *gltf, const struct gd__gltf_sum *sum)
 {
     return gd_fail(
@@ -357,19 +325,17 @@ static enum gd_status reserve(struct gd__builder *builder, const struct gd__gltf
 static enum gd_status make_scene(struct gd__gltf *gltf, struct gd__builder *builder,
                                  const struct gd__gltf_sum *sum)
 {
-    struct placing placing = {
-        .visitor = {make_mesh},
-        .making = {.gltf = gltf,
-                   .builder = builder,
-                   .accessor = GD__NO_VALUE,
-                   .weld = gd__weld_begin(builder),
-                   .all = 2 * sum->primitives + sum->vertices + 3 * sum->triangles}};
-    placing.making.vertices = malloc((sum->largest + (size_t)1) * sizeof *placing.making.vertices);
-    enum gd_status status = placing.making.vertices ? gd__gltf_walk(gltf, &placing.visitor)
-                                                    : gd_fail(gltf->scan.detail, GD_NO_MEMORY,
-                                                              "the system is out of memory");
-    free(placing.making.vertices);
-    gd__weld_free(&placing.making.weld);
+    struct gd__gltf_making making = {
+        .gltf = gltf,
+        .builder = builder,
+        .accessor = GD__NO_VALUE,
+        .weld = gd__weld_begin(builder),
+        .vertices = malloc((sum->largest + (size_t)1) * sizeof *making.vertices),
+        .all = 2 * sum->primitives + sum->vertices + 3 * sum->triangles};
+    enum gd_status status = making.vertices ? gd__gltf_walk(gltf, gd__gltf_make_mesh, &making)
+                                            : gd_fail_status(gltf->scan.detail, GD_NO_MEMORY);
+    free(making.vertices);
+    gd__weld_free(&making.weld);
     return status;
 }
 
@@ -381,7 +347,7 @@ static enum gd_status read_file(const struct gd__scan *scan, struct gd__builder 
     enum gd_status status = open_file(scan, builder->limits.control, is_glb, &gltf);
     builder->scan = &gltf.scan;
     builder->next_look = gltf.scan.end; /* the conversion checks the control itself */
-    if (status == GD_OK) status = count(&gltf, &sum);
+    if (status == GD_OK) status = gd__gltf_walk(&gltf, gd__gltf_count_mesh, &sum);
     if (status == GD_OK && sum.triangles == 0) status = fail_empty(&gltf, &sum);
     if (status == GD_OK) status = reserve(builder, &sum);
     if (status == GD_OK) status = make_scene(&gltf, builder, &sum);
@@ -430,7 +396,7 @@ size_t gd__gltf_cost(const void *bytes, size_t size, bool is_glb,
     struct gd__gltf gltf;
     struct gd__gltf_sum sum = {0};
     enum gd_status status = open_file(&scan, limits ? limits->control : NULL, is_glb, &gltf);
-    if (status == GD_OK) status = count(&gltf, &sum);
+    if (status == GD_OK) status = gd__gltf_walk(&gltf, gd__gltf_count_mesh, &sum);
     size_t cost = status == GD_OK ? cost_of(&sum, limits) : 0,
            document = TREE_FACTOR * gltf.json.size + size;
     free_document(&gltf);

@@ -81,6 +81,12 @@ GD_MUST_USE enum gd_status gd__gltf_index(const struct gd__gltf *gltf, uint32_t 
 GD_MUST_USE enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object,
                                           const char *name, unsigned count, double *out);
 
+/* Reads the member `name` of an object as a list. The items of the list begin at the JSON value
+ * `*begin` and end before `*end`. If the member is missing, the list is empty. Errors:
+ * GD_SYNTAX. */
+GD_MUST_USE enum gd_status gd__gltf_items(const struct gd__gltf *gltf, uint32_t object,
+                                          const char *name, uint32_t *begin, uint32_t *end);
+
 /* --- gltf_data.c ------------------------------------------------------------------------------ */
 
 /* An accessor that is read one element after the other. */
@@ -120,19 +126,17 @@ void gd__gltf_buffers_free(struct gd__gltf *gltf);
 
 /* --- gltf_nodes.c ----------------------------------------------------------------------------- */
 
-/* Called for each mesh of the scene. */
-struct gd__gltf_visitor {
-    enum gd_status (*visit)(struct gd__gltf_visitor *visitor, uint32_t mesh,
-                            const struct gd__place *place);
-};
+/* Called for each mesh of the scene. `user` is the last argument of gd__gltf_walk. */
+typedef enum gd_status gd__gltf_visit(const struct gd__gltf *gltf, uint32_t mesh,
+                                      const struct gd__place *place, void *user);
 
 /* Visits the meshes of the scene in the order of its nodes. Uses the default scene, or the first
  * scene if no default is given. In a file without scenes it visits all root nodes, and in a file
  * without nodes all meshes, untransformed. It places a skinned mesh without a transform, as the
  * format requires. Errors: GD_SYNTAX (a node with two parents, or in a cycle), GD_UNSUPPORTED
  * (nodes nested more than 256 deep), GD_NO_MEMORY, and the errors of the visitor. */
-GD_MUST_USE enum gd_status gd__gltf_walk(const struct gd__gltf *gltf,
-                                         struct gd__gltf_visitor *visitor);
+GD_MUST_USE enum gd_status gd__gltf_walk(const struct gd__gltf *gltf, gd__gltf_visit *visit,
+                                         void *user);
 
 /* --- gltf_primitive.c ------------------------------------------------------------------------- */
 
@@ -144,10 +148,9 @@ struct gd__gltf_sum {
     uint32_t largest;             /* largest number of vertices of a primitive */
 };
 
-/* Adds the primitives of a mesh to the sums. Errors: GD_SYNTAX, GD_UNSUPPORTED, GD_CANCELLED,
- * GD_DEADLINE. */
-GD_MUST_USE enum gd_status gd__gltf_count_mesh(const struct gd__gltf *gltf, uint32_t mesh,
-                                               struct gd__gltf_sum *sum);
+/* Visitor: adds the primitives of a mesh to the sums, a struct gd__gltf_sum. Errors: GD_SYNTAX,
+ * GD_UNSUPPORTED, GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE gd__gltf_visit gd__gltf_count_mesh;
 
 /* State of the conversion to triangles. */
 struct gd__gltf_making {
@@ -162,9 +165,8 @@ struct gd__gltf_making {
     uint64_t done, all;
 };
 
-/* Adds the triangles of a mesh, transformed by `place`, to the builder. Errors: those of
- * gd_read_polygons. */
-GD_MUST_USE enum gd_status gd__gltf_make_mesh(struct gd__gltf_making *making, uint32_t mesh,
-                                              const struct gd__place *place);
+/* Visitor: adds the triangles of a mesh, transformed by `place`, to the builder of a struct
+ * gd__gltf_making. Errors: those of gd_read_polygons. */
+GD_MUST_USE gd__gltf_visit gd__gltf_make_mesh;
 
 #endif

@@ -49,7 +49,7 @@ static enum gd_status decode_uri(struct gd__gltf *gltf, uint32_t uri, struct gd_
     enum gd_status status = encoded_part(gltf, uri, &encoded);
     if (status != GD_OK) return status;
     char *decoded = malloc(gd__base64_bytes(encoded.size));
-    if (!decoded) return gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
+    if (!decoded) return gd_fail_status(gltf->scan.detail, GD_NO_MEMORY);
     size_t size;
     if (!gd__base64_read(encoded.at, encoded.size, decoded, &size)) {
         free(decoded);

@@ -17,7 +17,8 @@ struct step {
 
 struct walk {
     const struct gd__gltf *gltf;
-    struct gd__gltf_visitor *visitor;
+    gd__gltf_visit *visit;
+    void *user;
     uint8_t *marks; /* one per node */
     struct step *steps;
     unsigned depth;
@@ -77,7 +78,7 @@ static enum gd_status visit_mesh(struct walk *walk, uint32_t node, const struct 
     enum gd_status status = gd__gltf_reference(gltf, node, "mesh", &gltf->meshes, &mesh);
     if (status != GD_OK || mesh == GD__NO_VALUE) return status;
     bool is_skinned = gd__json_member(&gltf->json, node, "skin") != GD__NO_VALUE;
-    return walk->visitor->visit(walk->visitor, mesh, is_skinned ? &gd__unmoved : place);
+    return walk->visit(gltf, mesh, is_skinned ? &gd__unmoved : place, walk->user);
 }
 
 static enum gd_status mark_visited(struct walk *walk, uint32_t number)
@@ -94,21 +95,6 @@ static enum gd_status mark_visited(struct walk *walk, uint32_t number)
     return GD_OK;
 }
 
-/* Reads the member `name` of an object as a list. The items of the list begin at the JSON value
- * `*begin` and end before `*end`. If the member is missing, the list is empty. */
-static enum gd_status list_of(const struct gd__gltf *gltf, uint32_t object, const char *name,
-                              uint32_t *begin, uint32_t *end)
-{
-    uint32_t list = gd__json_member(&gltf->json, object, name);
-    *begin = *end = 0;
-    if (list == GD__NO_VALUE) return GD_OK;
-    if (!gd__json_is(&gltf->json, list, '['))
-        return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' is not an array", name);
-    *begin = list + 1;
-    *end = gd__json_next(&gltf->json, list);
-    return GD_OK;
-}
-
 static enum gd_status enter(struct walk *walk, uint32_t number, const struct gd__place *outer)
 {
     uint32_t node = walk->gltf->nodes.values[number];
@@ -117,7 +103,8 @@ static enum gd_status enter(struct walk *walk, uint32_t number, const struct gd_
     if (status != GD_OK) return status;
     struct step *step = &walk->steps[walk->depth];
     status = read_place(walk->gltf, node, &place);
-    if (status == GD_OK) status = list_of(walk->gltf, node, "children", &step->child, &step->end);
+    if (status == GD_OK)
+        status = gd__gltf_items(walk->gltf, node, "children", &step->child, &step->end);
     if (status != GD_OK) return status;
     step->place = gd__place_compose(outer, &place);
     walk->depth++;
@@ -149,7 +136,7 @@ static enum gd_status mark_children(struct walk *walk)
     enum gd_status status = GD_OK;
     for (uint32_t node = 0; node < gltf->nodes.count && status == GD_OK; node++) {
         uint32_t child, end, number;
-        status = list_of(gltf, gltf->nodes.values[node], "children", &child, &end);
+        status = gd__gltf_items(gltf, gltf->nodes.values[node], "children", &child, &end);
         for (; child < end && status == GD_OK; child = gd__json_next(&gltf->json, child)) {
             status = gd__gltf_index(gltf, child, &gltf->nodes, &number);
             if (status == GD_OK) walk->marks[number] |= IS_CHILD;
@@ -171,7 +158,7 @@ static enum gd_status walk_scene(struct walk *walk, uint32_t scene)
 {
     const struct gd__gltf *gltf = walk->gltf;
     uint32_t node, end, number;
-    enum gd_status status = list_of(gltf, scene, "nodes", &node, &end);
+    enum gd_status status = gd__gltf_items(gltf, scene, "nodes", &node, &end);
     for (; node < end && status == GD_OK; node = gd__json_next(&gltf->json, node)) {
         status = gd__gltf_index(gltf, node, &gltf->nodes, &number);
         if (status == GD_OK) status = walk_tree(walk, number);
@@ -183,7 +170,7 @@ static enum gd_status walk_meshes(struct walk *walk)
 {
     enum gd_status status = GD_OK;
     for (uint32_t mesh = 0; mesh < walk->gltf->meshes.count && status == GD_OK; mesh++)
-        status = walk->visitor->visit(walk->visitor, walk->gltf->meshes.values[mesh], &gd__unmoved);
+        status = walk->visit(walk->gltf, walk->gltf->meshes.values[mesh], &gd__unmoved, walk->user);
     return status;
 }
 
@@ -198,15 +185,16 @@ static enum gd_status walk_all(struct walk *walk)
     return scene == GD__NO_VALUE ? walk_roots(walk) : walk_scene(walk, scene);
 }
 
-enum gd_status gd__gltf_walk(const struct gd__gltf *gltf, struct gd__gltf_visitor *visitor)
+enum gd_status gd__gltf_walk(const struct gd__gltf *gltf, gd__gltf_visit *visit, void *user)
 {
     struct walk walk = {.gltf = gltf,
-                        .visitor = visitor,
+                        .visit = visit,
+                        .user = user,
                         .marks = calloc(gltf->nodes.count + (size_t)1, sizeof *walk.marks),
                         .steps = malloc(DEPTH * sizeof *walk.steps)};
-    enum gd_status status = walk.marks && walk.steps ? walk_all(&walk)
-                                                     : gd_fail(gltf->scan.detail, GD_NO_MEMORY,
-                                                               "the system is out of memory");
+    enum gd_status status = walk.marks && walk.steps
+                                ? walk_all(&walk)
+                                : gd_fail_status(gltf->scan.detail, GD_NO_MEMORY);
     free(walk.marks);
     free(walk.steps);
     return status;

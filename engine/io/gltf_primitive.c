@@ -104,9 +104,11 @@ static enum gd_status add_up(const struct gd__gltf *gltf, uint32_t value, struct
 }
 
 enum gd_status gd__gltf_count_mesh(const struct gd__gltf *gltf, uint32_t mesh,
-                                   struct gd__gltf_sum *sum)
+                                   const struct gd__place *place, void *user)
 {
+    struct gd__gltf_sum *sum = user;
     uint32_t value = 0, end = 0;
+    (void)place;
     enum gd_status status = primitives_of(gltf, mesh, &value, &end);
     for (; status == GD_OK && value < end; value = gd__json_next(&gltf->json, value)) {
         status = add_up(gltf, value, sum);
@@ -271,12 +273,13 @@ static enum gd_status make_primitive(struct gd__gltf_making *making, uint32_t va
     return status == GD_OK ? add_triangles(&run) : status;
 }
 
-enum gd_status gd__gltf_make_mesh(struct gd__gltf_making *making, uint32_t mesh,
-                                  const struct gd__place *place)
+enum gd_status gd__gltf_make_mesh(const struct gd__gltf *gltf, uint32_t mesh,
+                                  const struct gd__place *place, void *user)
 {
+    struct gd__gltf_making *making = user;
     uint32_t value = 0, end = 0;
-    enum gd_status status = primitives_of(making->gltf, mesh, &value, &end);
-    for (; status == GD_OK && value < end; value = gd__json_next(&making->gltf->json, value)) {
+    enum gd_status status = primitives_of(gltf, mesh, &value, &end);
+    for (; status == GD_OK && value < end; value = gd__json_next(&gltf->json, value)) {
         status = make_primitive(making, value, place);
         if (status == GD_OK) status = look(making);
     }

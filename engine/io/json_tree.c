@@ -158,7 +158,7 @@ enum gd_status gd__json_parse(const struct gd__scan *scan, const struct gd_contr
     enum gd_status status = read_document(&parser);
     if (status != GD_OK) return status;
     again.values = malloc(parser.count * sizeof *again.values);
-    if (!again.values) return gd_fail(scan->detail, GD_NO_MEMORY, "the system is out of memory");
+    if (!again.values) return gd_fail_status(scan->detail, GD_NO_MEMORY);
     status = read_document(&again);
     if (status == GD_OK)
         *out = (struct gd__json){.text = scan->at,

@@ -66,7 +66,7 @@ enum gd_status gd_read_polygons(const void *bytes, size_t size,
     size_t length = 0;
     enum gd_status status =
         gd__utf16_decode(bytes, size, options ? options->control : NULL, &text, &length);
-    if (status == GD_NO_MEMORY) return gd_fail(detail, status, "the system is out of memory");
+    if (status == GD_NO_MEMORY) return gd_fail_status(detail, status);
     if (status != GD_OK) return status;
     status = read_bytes(text, length, format, options, out, detail);
     free(text);

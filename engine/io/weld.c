@@ -66,8 +66,7 @@ static enum gd_status grow(struct gd__weld *weld)
     size_t slot_count = weld->slot_count ? 2 * weld->slot_count : SMALLEST_SLOT_COUNT;
     free(weld->slots);
     weld->slots = gd__large_array(slot_count, sizeof *weld->slots);
-    if (!weld->slots)
-        return gd_fail(builder->scan->detail, GD_NO_MEMORY, "the system is out of memory");
+    if (!weld->slots) return gd_fail_status(builder->scan->detail, GD_NO_MEMORY);
     weld->slot_count = slot_count;
     struct gd__pace pace = gd__builder_pace(builder);
     gd__pace_fill(&pace, weld->slots, slot_count * sizeof *weld->slots);

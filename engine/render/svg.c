@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "gd/number.h"
+#include "io/base64.h"
 #include "render/canvas.h"
 
 /* Writes an SVG 1.1 file: the surface as an embedded image, lines and texts as vectors. */
@@ -92,18 +93,12 @@ static void put_escaped(struct gd__svg *svg, const char *text)
         }
 }
 
-static void put_base64(struct gd__svg *svg, const uint8_t *bytes, size_t size)
+static void put_base64(struct gd__svg *svg, const void *bytes, size_t size)
 {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    if (!svg_reserve(svg, (size + 2) / 3 * 4)) return;
-    char *out = svg->text + svg->used;
-    for (size_t i = 0; i < size; i += 3) {
-        size_t have = size - i < 3 ? size - i : 3;
-        uint32_t bits = 0;
-        for (size_t k = 0; k < have; k++) bits |= (uint32_t)bytes[i + k] << (16 - 8 * k);
-        for (size_t k = 0; k < 4; k++) *out++ = k <= have ? digits[bits >> (18 - 6 * k) & 63] : '=';
-    }
-    svg->used = (size_t)(out - svg->text);
+    size_t characters = gd__base64_characters(size);
+    if (!svg_reserve(svg, characters)) return;
+    gd__base64_write(bytes, size, svg->text + svg->used);
+    svg->used += characters;
 }
 
 /* --- the canvas ------------------------------------------------------------------------------- */
