@@ -36,24 +36,18 @@ static bool is_duplicate(const struct gd__construction *work, const struct gd__e
     return apex > pair[0].high && apex == opposite_corner(work, pair[1].side);
 }
 
-static int compare_apices(const void *x, const void *y)
-{
-    const struct gd__edge_use *a = x, *b = y; /* here, the member `high` is the apex of the face */
-    if (a->high != b->high) return a->high < b->high ? -1 : 1;
-    return a->side < b->side ? -1 : a->side > b->side;
-}
-
 /* Finds faces with the same vertices. Such faces share the edge between their two lowest vertices.
  * Only this edge is tested, so each duplicate is found once. */
 static enum gd_status find_duplicates(const struct gd__construction *work,
                                       const struct gd__edge_use *use, uint32_t count,
                                       struct findings *findings)
 {
+    /* here, the member `high` is the apex of the face */
     struct gd__edge_use *by_apex = malloc(count * sizeof *by_apex);
     if (!by_apex) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < count; i++)
         by_apex[i] = (struct gd__edge_use){opposite_corner(work, use[i].side), use[i].side};
-    qsort(by_apex, count, sizeof *by_apex, compare_apices);
+    qsort(by_apex, count, sizeof *by_apex, gd__edge_use_compare);
     for (uint32_t i = 1; i < count; i++) {
         if (by_apex[i].high == by_apex[i - 1].high && by_apex[i].high > use[0].high)
             add_duplicate(work, by_apex[i].side / 3, by_apex[i - 1].side / 3, findings);

@@ -102,14 +102,6 @@ static enum gd_status merge_own_seed(const struct gd_field *field, uint32_t edge
     return merge_own_window(length, w, m);
 }
 
-/* Returns true if a point lies on the edge or at one of its ends. */
-static bool is_on_edge(const struct gd_mesh *mesh, uint32_t edge, const struct gd_point *point)
-{
-    if (point->kind == GD_POINT_EDGE) return point->element == edge;
-    return point->kind == GD_POINT_VERTEX && (point->element == mesh->origin[2 * edge] ||
-                                              point->element == mesh->origin[2 * edge + 1]);
-}
-
 static enum gd_status merge_own_sources(const struct gd_field *field, uint32_t edge,
                                         struct merger *m)
 {
@@ -119,8 +111,8 @@ static enum gd_status merge_own_sources(const struct gd_field *field, uint32_t e
     if (!status) status = merge_own_source(field, length, length, mesh->origin[2 * edge + 1], m);
     for (struct gd__face_seeds f = gd__edge_seeds(field, edge); f.at < f.end && !status; f.at++) {
         const struct gd__seed *seed = &field->seeds[f.at->seed];
-        if (is_on_edge(mesh, edge, &seed->point) &&
-            (!seed->is_segment || is_on_edge(mesh, edge, &seed->end)))
+        if (gd__point_is_on_edge(mesh, &seed->point, edge) &&
+            (!seed->is_segment || gd__point_is_on_edge(mesh, &seed->end, edge)))
             status = merge_own_seed(field, edge, f.at->seed, m);
     }
     return status;

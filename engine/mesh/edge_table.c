@@ -12,7 +12,7 @@ static void ends_of_side(const uint32_t (*corner)[3], uint32_t side, uint32_t *l
     *high = a < b ? b : a;
 }
 
-static int compare_uses(const void *x, const void *y)
+int gd__edge_use_compare(const void *x, const void *y)
 {
     const struct gd__edge_use *a = x, *b = y;
     if (a->high != b->high) return a->high < b->high ? -1 : 1;
@@ -24,13 +24,13 @@ static int compare_uses(const void *x, const void *y)
 static void sort_bucket(struct gd__edge_use *use, uint32_t count)
 {
     if (count > SHORT_BUCKET) {
-        qsort(use, count, sizeof *use, compare_uses);
+        qsort(use, count, sizeof *use, gd__edge_use_compare);
         return;
     }
     for (uint32_t i = 1; i < count; i++) {
         struct gd__edge_use moved = use[i];
         uint32_t j = i;
-        for (; j > 0 && compare_uses(&moved, &use[j - 1]) < 0; j--) use[j] = use[j - 1];
+        for (; j > 0 && gd__edge_use_compare(&moved, &use[j - 1]) < 0; j--) use[j] = use[j - 1];
         use[j] = moved;
     }
 }

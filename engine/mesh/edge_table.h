@@ -13,6 +13,9 @@ struct gd__edge_use {
     uint32_t side; /* 3 face + k: side k of the face, from corner k to corner k + 1 */
 };
 
+/* Compares two sides, for qsort: by `high`, then by side. */
+int gd__edge_use_compare(const void *a, const void *b);
+
 struct gd__edge_table {
     uint32_t vertex_count;
     /* for each vertex, index in `use` of the first side whose lower vertex it is; vertex_count + 1

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-static bool is_on_edge(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t edge)
+bool gd__point_is_on_edge(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t edge)
 {
     if (point->kind == GD_POINT_EDGE) return point->element == edge;
     return point->kind == GD_POINT_VERTEX && (mesh->origin[2 * edge] == point->element ||
@@ -61,7 +61,8 @@ bool gd__segment_locate_elsewhere(const struct gd_mesh *mesh, const struct gd_po
     struct gd__segment_location location = {GD_NONE, GD_NONE};
     if (gd_point_equal(a, b)) return false;
     uint32_t edge = gd__edge_between(mesh, a, b);
-    if (edge != GD_NONE && is_on_edge(mesh, a, edge) && is_on_edge(mesh, b, edge)) {
+    if (edge != GD_NONE && gd__point_is_on_edge(mesh, a, edge) &&
+        gd__point_is_on_edge(mesh, b, edge)) {
         location.edge = edge;
     } else {
         location.face = gd__common_face(mesh, a, b);

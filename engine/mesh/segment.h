@@ -4,6 +4,9 @@
 
 #include "mesh/local.h"
 
+/* Returns true if the point lies on the edge or at one of its ends. */
+bool gd__point_is_on_edge(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t edge);
+
 /* Returns true if the point lies in the face or on its border. */
 bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point);
 
