@@ -492,7 +492,7 @@ def form_function(form, branch):
     lines, calls = fill(branch)
     yield f"static bool read_{snake(branch.name)}(const struct proto_object *object, struct {form.c_name} *read)\n{{"
     yield f"    static const char *const members[] = {texts(branch.names)};"
-    yield from rules(branch.members)
+    yield from rules(branch.members) if branch.members else ["    (void)read;"]
     for name, sentence in branch.schema.get("x-foreign", {}).items():
         yield f"    if (proto_object_has(object, {c_string(name)}))\n        return proto_problem_refuse_member(object->problem, object->place, {c_string(name)}, \"%s\", {c_string(sentence)});"
     yield from lines

@@ -1974,15 +1974,19 @@ export type Trims = {
 export type TrimLoop = TrimCurve[];
 
 /** A polyline, or a rational B-spline; without knots a Bézier curve. */
-export type TrimCurve = ({
+export type TrimCurve = (TrimPolyline | TrimSpline);
+
+export type TrimPolyline = {
   polyline: Array<[number, number]>;
-} | {
+};
+
+export type TrimSpline = {
   degree: number;
   knots?: number[];
   /** All are [u, v], or all are [u, v, weight]. */
   controlPoints: Array<number[]>;
   weights?: number[];
-});
+};
 
 /** Knots in ascending order; knots may repeat. */
 export type SurfaceKnots = number[];

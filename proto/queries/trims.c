@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "generated/requests.h"
 #include "proto/json/decode.h"
 
 /* A loop being read: its curves, whose arrays it owns. */
@@ -32,109 +33,64 @@ static void trims_free(struct trims *trims)
     free(trims);
 }
 
-/* Reads an array of numbers. */
-static bool read_list(const json_t *value, size_t count, const char *place, double **out,
-                      struct proto_problem *problem)
-{
-    *out = malloc((count + 1) * sizeof **out);
-    if (!*out) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    return proto_read_numbers(value, count, *out) ||
-           proto_problem_refuse(problem, place, "expected %zu numbers", count);
-}
-
 /* Reads points [u, v], or [u, v, weight] if the first one has a weight. */
-static bool read_points(const json_t *list, const char *place, struct gd_trim_curve *out,
-                        struct proto_problem *problem)
+static bool read_points(const json_t *curve, const char *member, const char *place,
+                        struct gd_trim_curve *out, struct proto_problem *problem)
 {
+    char inner[PROTO_PLACE];
+    const json_t *list = json_object_get(curve, member);
     size_t count = json_array_size(list);
-    size_t columns = json_array_size(json_array_get(list, 0)) == 3 ? 3 : 2;
+    bool is_weighted = json_array_size(json_array_get(list, 0)) == 3;
+    proto_place_of_member(inner, place, member);
     if (count < 2 || count > GD_TRIM_POINTS_MAX)
-        return proto_problem_refuse(problem, place, "expected 2 to %d points", GD_TRIM_POINTS_MAX);
+        return proto_problem_refuse(problem, inner, "expected 2 to %d points", GD_TRIM_POINTS_MAX);
+    if (is_weighted && strcmp(member, "polyline") == 0)
+        return proto_problem_refuse(problem, inner, "the points of a polyline are [u, v]");
+    if (is_weighted && out->weights)
+        return proto_problem_refuse_member(problem, place, "weights",
+                                           "the control points have weights of their own; leave "
+                                           "one of the two out");
     double(*points)[2] = malloc(count * sizeof *points);
-    double *weights = columns == 3 ? malloc(count * sizeof *weights) : NULL;
+    double *weights = is_weighted ? malloc(count * sizeof *weights) : NULL;
     out->points = (const double(*)[2])points;
-    out->weights = weights;
+    if (is_weighted) out->weights = weights;
     out->count = (uint32_t)count;
-    if (!points || (columns == 3 && !weights))
+    if (!points || (is_weighted && !weights))
         return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     for (size_t i = 0; i < count; i++) {
         double numbers[3];
         char element[PROTO_PLACE];
-        proto_place_of_element(element, place, i);
-        if (!proto_read_numbers(json_array_get(list, i), columns, numbers))
-            return proto_problem_refuse(problem, element, "expected [u, v]%s",
-                                        columns == 3 ? " with a weight, as the first point" : "");
-        memcpy(points[i], numbers, sizeof points[i]);
-        if (weights) weights[i] = numbers[2];
+        if (proto_read_numbers(json_array_get(list, i), is_weighted ? 3 : 2, numbers)) {
+            memcpy(points[i], numbers, sizeof points[i]);
+            if (is_weighted) weights[i] = numbers[2];
+            continue;
+        }
+        proto_place_of_element(element, inner, i);
+        return proto_problem_refuse(problem, element, "expected [u, v]%s",
+                                    is_weighted ? " with a weight, as the first point" : "");
     }
     return true;
-}
-
-static bool read_polyline(const json_t *value, const char *place, struct gd_trim_curve *out,
-                          struct proto_problem *problem)
-{
-    static const char *const members[] = {"polyline", NULL};
-    char inner[PROTO_PLACE];
-    proto_place_of_member(inner, place, "polyline");
-    out->degree = 1;
-    return proto_decode_object(value, place, members, problem) &&
-           read_points(json_object_get(value, "polyline"), inner, out, problem) &&
-           (!out->weights ||
-            proto_problem_refuse(problem, inner, "the points of a polyline are [u, v]"));
-}
-
-static bool read_weights(const json_t *value, const char *place, struct gd_trim_curve *out,
-                         struct proto_problem *problem)
-{
-    char inner[PROTO_PLACE];
-    double *weights = NULL;
-    const json_t *list = json_object_get(value, "weights");
-    proto_place_of_member(inner, place, "weights");
-    if (!list) return true;
-    if (out->weights)
-        return proto_problem_refuse(problem, inner,
-                                    "the control points have weights of their own; leave one of "
-                                    "the two out");
-    bool ok = read_list(list, out->count, inner, &weights, problem);
-    out->weights = weights;
-    return ok;
-}
-
-static bool read_knots(const json_t *value, const char *place, struct gd_trim_curve *out,
-                       struct proto_problem *problem)
-{
-    char inner[PROTO_PLACE];
-    double *knots = NULL;
-    const json_t *list = json_object_get(value, "knots");
-    proto_place_of_member(inner, place, "knots");
-    if (!list) return true;
-    size_t needed = out->count + (size_t)out->degree + 1;
-    if (json_array_size(list) != needed)
-        return proto_problem_refuse(problem, inner, "%u control points of degree %u need %zu knots",
-                                    out->count, out->degree, needed);
-    bool ok = read_list(list, needed, inner, &knots, problem);
-    out->knots = knots;
-    return ok;
 }
 
 static bool read_curve(const json_t *value, const char *place, struct gd_trim_curve *out,
                        struct proto_problem *problem)
 {
-    static const char *const members[] = {"degree", "knots", "controlPoints", "weights", NULL};
-    char inner[PROTO_PLACE];
-    double degree;
-    if (json_object_get(value, "polyline")) return read_polyline(value, place, out, problem);
-    proto_place_of_member(inner, place, "controlPoints");
-    if (!proto_decode_object(value, place, members, problem) ||
-        !proto_decode_number(value, place, "degree", &degree, problem))
+    struct proto_trim_curve read;
+    if (!proto_trim_curve_decode(value, place, &read, problem)) return false;
+    bool is_polyline = read.form == PROTO_TRIM_CURVE_POLYLINE;
+    out->degree = is_polyline ? 1 : read.degree;
+    out->knots = read.knots.items;
+    out->weights = read.weights.items;
+    if (!read_points(value, is_polyline ? "polyline" : "controlPoints", place, out, problem))
         return false;
-    if (!(degree >= 1 && degree <= GD_TRIM_DEGREE_MAX && degree == (uint32_t)degree))
-        return proto_problem_refuse_member(
-            problem, place, "degree", "expected a whole number from 1 to %d", GD_TRIM_DEGREE_MAX);
-    out->degree = (uint32_t)degree;
-    return proto_decode_member(value, place, "controlPoints", problem) &&
-           read_points(json_object_get(value, "controlPoints"), inner, out, problem) &&
-           read_weights(value, place, out, problem) && read_knots(value, place, out, problem);
+    if (read.weights.count && read.weights.count != out->count)
+        return proto_problem_refuse_member(problem, place, "weights", "expected %u numbers",
+                                           out->count);
+    size_t needed = out->count + (size_t)out->degree + 1;
+    return !read.knots.count || read.knots.count == needed ||
+           proto_problem_refuse_member(problem, place, "knots",
+                                       "%u control points of degree %u need %zu knots", out->count,
+                                       out->degree, needed);
 }
 
 static bool read_loop(const json_t *value, const char *place, struct trims *trims,
