@@ -1,15 +1,19 @@
 // Made from the contract by generate.py; changes belong there.
 
-export type BatchRequest = ({
+export type BatchRequest = (AllPairsBatchRequest | FieldsBatchRequest);
+
+export type AllPairsBatchRequest = {
   query: "all-pairs";
   mesh: Name;
   vertices: Index[];
-} | {
+};
+
+export type FieldsBatchRequest = {
   query: "fields";
   meshes: Name[];
   set: Set;
   max_distance?: number;
-});
+};
 
 export type Batch = {
   id: JobId;

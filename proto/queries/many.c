@@ -1,108 +1,60 @@
 #include "proto/queries/many.h"
 
 #include <jansson.h>
-#include <math.h>
 #include <string.h>
 
 #include "generated/queries.h"
+#include "generated/requests.h"
 #include "proto/http/page.h"
 
-static const char *const queries[] = {
-    [PROTO_MANY_ALL_PAIRS] = "all-pairs", [PROTO_MANY_FIELDS] = "fields"};
-
 /* --- reading ---------------------------------------------------------------------------------- */
-
-static bool read_query(const json_t *document, enum proto_many_query *out,
-                       struct proto_problem *problem)
-{
-    const char *name = json_string_value(json_object_get(document, "query"));
-    for (int i = 0; name && i < (int)(sizeof queries / sizeof queries[0]); i++) {
-        if (strcmp(queries[i], name) != 0) continue;
-        *out = (enum proto_many_query)i;
-        return true;
-    }
-    return proto_problem_refuse(problem, "/query",
-                                "a batch is of the query \"all-pairs\" or \"fields\"");
-}
-
-static bool check_name(const json_t *value, const char *place, struct proto_problem *problem)
-{
-    const char *name = json_string_value(value);
-    if (!name) return proto_problem_refuse(problem, place, "write the name of a mesh");
-    if (proto_mesh_name_check(name, strlen(name), problem)) return true;
-    return proto_problem_at(problem, place);
-}
-
-/* Returns the array of that name, which must have 1 to PROTO_MANY_ITEMS members. Otherwise returns
- * NULL with the problem. */
-static const json_t *read_list(const json_t *document, const char *member,
-                               struct proto_problem *problem)
-{
-    const json_t *list = proto_decode_member(document, "", member, problem);
-    size_t count = json_array_size(list);
-    if (!list) return NULL;
-    if (json_is_array(list) && count >= 1 && count <= PROTO_MANY_ITEMS) return list;
-    proto_problem_refuse_member(problem, "", member, "list 1 to %d of them", PROTO_MANY_ITEMS);
-    return NULL;
-}
-
-static bool check_vertices(const json_t *list, struct proto_problem *problem)
-{
-    size_t i;
-    json_t *value;
-    json_array_foreach(list, i, value)
-    {
-        double index = json_number_value(value);
-        if (!json_is_number(value) || index < 0 || index > UINT32_MAX - 1 ||
-            index != (double)(uint32_t)index)
-            return proto_problem_refuse(problem, "/vertices",
-                                        "member %zu is not the index of a vertex", i);
-    }
-    return true;
-}
 
 static bool decode_all_pairs(const json_t *document, struct proto_many *out,
                              struct proto_problem *problem)
 {
-    static const char *const members[] = {"query", "mesh", "vertices", NULL};
-    if (!proto_decode_object(document, "", members, problem)) return false;
-    if (!check_name(json_object_get(document, "mesh"), "/mesh", problem)) return false;
-    const json_t *vertices = read_list(document, "vertices", problem);
-    if (!vertices || !check_vertices(vertices, problem)) return false;
-    out->item_count = (uint32_t)json_array_size(vertices);
+    struct proto_all_pairs_batch_request request;
+    if (!proto_all_pairs_batch_request_decode(document, &request, problem)) return false;
+    out->item_count = request.vertices.count;
+    proto_all_pairs_batch_request_free(&request);
+    return true;
+}
+
+/* The names are not copied, because a copy of all of them would be large. */
+static bool check_meshes(const json_t *document, uint32_t *count, struct proto_problem *problem)
+{
+    const json_t *list = proto_decode_member(document, "", "meshes", problem);
+    struct proto_name name;
+    size_t size = json_array_size(list);
+    if (!list) return false;
+    if (size < 1 || size > PROTO_MANY_ITEMS)
+        return proto_problem_refuse(problem, "/meshes", "list 1 to %d of them", PROTO_MANY_ITEMS);
+    for (size_t i = 0; i < size; i++)
+        if (!proto_name_decode(json_array_get(list, i), "/meshes", &name, problem)) return false;
+    *count = (uint32_t)size;
     return true;
 }
 
 static bool decode_fields(const json_t *document, struct proto_many *out,
                           struct proto_problem *problem)
 {
-    static const char *const members[] = {"query", "meshes", "set", "max_distance", NULL};
-    static const struct proto_rule rule = {
-        .name = "max_distance",
-        .is_above = true,
-        .most = INFINITY,
-        .refusal = "max_distance is more than 0; leave it out for no limit"};
-    size_t i;
-    json_t *name;
-    double reach;
-    if (!proto_decode_object(document, "", members, problem)) return false;
-    const json_t *meshes = read_list(document, "meshes", problem);
-    if (!meshes) return false;
-    json_array_foreach(meshes, i, name) if (!check_name(name, "/meshes", problem)) return false;
-    if (!proto_decode_member(document, "", "set", problem)) return false;
-    if (!proto_take_number(&(struct proto_object){document, "", problem}, &rule, &reach))
-        return false;
-    out->item_count = (uint32_t)json_array_size(meshes);
-    return true;
+    struct proto_fields_batch_request request;
+    return proto_fields_batch_request_decode(document, &request, problem) &&
+           check_meshes(document, &out->item_count, problem) &&
+           proto_decode_member(document, "", "set", problem);
 }
 
 bool proto_many_decode(json_t *document, struct proto_many *out, struct proto_problem *problem)
 {
     struct proto_many many = {.document = document};
+    const char *query = json_string_value(json_object_get(document, "query"));
+    bool is_fields = query && strcmp(query, "fields") == 0;
     if (!json_is_object(document)) return proto_problem_refuse(problem, "", "write a JSON object");
-    if (!read_query(document, &many.query, problem)) return false;
-    bool is_fine = many.query == PROTO_MANY_ALL_PAIRS ? decode_all_pairs(document, &many, problem)
-                                                      : decode_fields(document, &many, problem);
+    if (!is_fields && (!query || strcmp(query, "all-pairs") != 0))
+        return proto_problem_refuse(problem, "/query",
+                                    "a batch is of the query \"all-pairs\" or \"fields\"");
+    many.query = is_fields ? PROTO_MANY_FIELDS : PROTO_MANY_ALL_PAIRS;
+    bool is_fine = is_fields ? decode_fields(document, &many, problem)
+                             : decode_all_pairs(document, &many, problem);
     if (is_fine) *out = many;
     return is_fine;
 }

@@ -156,7 +156,7 @@ class Alone:
                 ({"query": "all-pairs", "mesh": "nobody", "vertices": [0]}, 404, "not_found", None),
                 ({"query": "all-pairs", "mesh": "a b", "vertices": [0]}, 400, "invalid_request", "/mesh"),
                 ({"query": "all-pairs", "mesh": "a", "vertices": []}, 400, "invalid_request", "/vertices"),
-                ({"query": "all-pairs", "mesh": "a", "vertices": [1.5]}, 400, "invalid_request", "/vertices"),
+                ({"query": "all-pairs", "mesh": "a", "vertices": [1.5]}, 400, "invalid_request", "/vertices/0"),
                 ({"query": "all-pairs", "mesh": "a", "vertices": [0], "more": 1}, 400, "invalid_request", "/more"),
                 ({"query": "fields", "meshes": ["a"]}, 400, "invalid_request", None),
                 ({"query": "distance"}, 400, "invalid_request", "/query"),
