@@ -1,36 +1,23 @@
 #include "proto/queries/point_sets.h"
 
 #include <math.h>
-#include <stdlib.h>
 
-static bool decode_weights(const json_t *document, uint32_t count, double *weights,
-                           struct proto_problem *problem)
+bool proto_mean_request_check(const struct proto_object *object, struct proto_mean_request *read)
 {
+    const struct proto_reals *weights = &read->weights;
     double sum = 0;
-    if (!proto_decode_numbers(document, "", "weights", count, weights, problem)) return false;
-    for (uint32_t i = 0; i < count; i++) {
-        if (weights[i] < 0)
-            return proto_problem_refuse(problem, "/weights", "a weight is 0 or more");
-        sum += weights[i];
+    if (!weights->count) return true;
+    if (weights->count != read->points.count)
+        return proto_problem_refuse(object->problem, "/weights", "expected %u numbers",
+                                    read->points.count);
+    for (uint32_t i = 0; i < weights->count; i++) {
+        if (weights->items[i] < 0)
+            return proto_problem_refuse(object->problem, "/weights", "a weight is 0 or more");
+        sum += weights->items[i];
     }
     return (sum > 0 && isfinite(sum)) ||
-           proto_problem_refuse(problem, "/weights",
+           proto_problem_refuse(object->problem, "/weights",
                                 "one weight must be more than 0, and their sum a finite number");
-}
-
-bool proto_mean_weights_decode(const json_t *document, uint32_t count, double **out,
-                               struct proto_problem *problem)
-{
-    *out = NULL;
-    if (!json_object_get(document, "weights")) return true;
-    double *weights = malloc(count * sizeof *weights);
-    if (!weights) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    if (decode_weights(document, count, weights, problem)) {
-        *out = weights;
-        return true;
-    }
-    free(weights);
-    return false;
 }
 
 void proto_mean_encode(struct proto_writer *writer, const struct gd_mesh *mesh,

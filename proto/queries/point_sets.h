@@ -7,11 +7,6 @@
 #include "proto/http/options.h"
 #include "proto/values/point.h"
 
-/* Decodes the weights of a request's points into an array from malloc; NULL means equal weights.
- * Problems: invalid_request, insufficient_memory. */
-bool proto_mean_weights_decode(const json_t *document, uint32_t count, double **out,
-                               struct proto_problem *problem);
-
 void proto_mean_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                        const struct gd_mean *mean, const struct proto_options *options);
 

@@ -3,7 +3,6 @@
 #include "server/query/handlers.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "gd/sampling.h"
 #include "proto/queries/point_sets.h"
@@ -57,27 +56,25 @@ const struct server_query_kind server_query_nearest = {.name = "nearest",
 /* --- mean ------------------------------------------------------------------------------------- */
 
 struct mean_query {
-    struct server_query query; /* must be the first member */
-    double *weights;           /* NULL means equal weights */
+    struct server_query query;  /* must be the first member */
+    struct proto_reals weights; /* empty means equal weights */
     bool one_step;
     struct gd_mean mean;
 };
 
 static bool mean_decode(struct server_query *query, const json_t *document)
 {
-    struct proto_problem *problem = query->problem;
     struct mean_query *mean = (struct mean_query *)query;
     const struct gd_mesh *mesh = query->surface->mesh;
     struct proto_mean_request wanted;
-    if (!proto_mean_request_decode(document, &wanted, problem)) return false;
-    bool ok = proto_mean_weights_decode(document, wanted.points.count, &mean->weights, problem);
+    if (!proto_mean_request_decode(document, &wanted, query->problem)) return false;
+    mean->weights = wanted.weights;
     mean->one_step = wanted.method == PROTO_METHOD_ONE_STEP;
-    if (!ok) proto_mean_request_free(&wanted);
-    if (!ok || !server_query_locate(query, &wanted.points)) return false;
+    if (!server_query_locate(query, &wanted.points)) return false;
     const struct gd_point *points = query->points.points;
     for (uint32_t i = 1; i < query->points.count; i++)
         if (gd_point_component(mesh, &points[i]) != gd_point_component(mesh, &points[0]))
-            return proto_problem_refuse(problem, "/points",
+            return proto_problem_refuse(query->problem, "/points",
                                         "point %u lies on another component than point 0: there "
                                         "is no path between them",
                                         i);
@@ -89,7 +86,7 @@ static enum server_query_turn mean_solve(struct server_query *query)
     struct mean_query *mean = (struct mean_query *)query;
     const struct gd_mesh *mesh = query->surface->mesh;
     const struct gd_mean_request request = {.points = query->points.points,
-                                            .weights = mean->weights,
+                                            .weights = mean->weights.items,
                                             .count = query->points.count,
                                             .one_step = mean->one_step,
                                             .landmarks = server_query_landmarks(query)};
@@ -108,7 +105,7 @@ static void mean_encode(const struct server_query *query, struct proto_writer *w
 
 static void mean_release(struct server_query *query)
 {
-    free(((struct mean_query *)query)->weights);
+    proto_reals_free(&((struct mean_query *)query)->weights);
 }
 
 const struct server_query_kind server_query_mean = {.name = "mean",

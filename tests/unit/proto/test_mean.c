@@ -2,45 +2,25 @@
 
 #include "proto/queries/point_sets.h"
 
-struct mean {
-    struct proto_mean_request request;
-    double *weights;
-};
-
-static bool mean_decode(const json_t *document, struct mean *out, struct proto_problem *problem)
-{
-    if (!proto_mean_request_decode(document, &out->request, problem)) return false;
-    if (proto_mean_weights_decode(document, out->request.points.count, &out->weights, problem))
-        return true;
-    proto_mean_request_free(&out->request);
-    return false;
-}
-
-static void mean_free(struct mean *mean)
-{
-    proto_mean_request_free(&mean->request);
-    free(mean->weights);
-}
-
-DECODER(decode, struct mean, mean_decode)
+DECODER(decode, struct proto_mean_request, proto_mean_request_decode)
 
 #define POINTS "\"points\":[{\"vertex\":3},{\"vertex\":1}]"
 
 static void decodes_bodies(void **state)
 {
     (void)state;
-    struct mean mean;
+    struct proto_mean_request mean;
     struct proto_problem problem;
     assert_true(decode("{" POINTS "}", &mean, &problem));
-    assert_true(mean.request.points.count == 2 && !mean.weights &&
-                mean.request.method == PROTO_METHOD_KARCHER);
-    mean_free(&mean);
+    assert_true(mean.points.count == 2 && !mean.weights.count &&
+                mean.method == PROTO_METHOD_KARCHER);
+    proto_mean_request_free(&mean);
     assert_true(decode("{" POINTS ",\"weights\":[0,2],\"method\":\"one_step\"}", &mean, &problem));
-    assert_true(mean.weights[1] == 2 && mean.request.method == PROTO_METHOD_ONE_STEP);
-    mean_free(&mean);
+    assert_true(mean.weights.items[1] == 2 && mean.method == PROTO_METHOD_ONE_STEP);
+    proto_mean_request_free(&mean);
     assert_true(decode("{" POINTS ",\"method\":\"karcher\"}", &mean, &problem));
-    assert_int_equal(mean.request.method, PROTO_METHOD_KARCHER);
-    mean_free(&mean);
+    assert_int_equal(mean.method, PROTO_METHOD_KARCHER);
+    proto_mean_request_free(&mean);
 }
 
 static void refuses_bad_bodies(void **state)
@@ -52,6 +32,7 @@ static void refuses_bad_bodies(void **state)
         {"{\"points\":[]}", "/points"},
         {"{\"points\":[{\"vertex\":1},2]}", "/points/1"},
         {"{" POINTS ",\"weights\":[1]}", "/weights"},
+        {"{" POINTS ",\"weights\":[]}", "/weights"},
         {"{" POINTS ",\"weights\":[1,\"2\"]}", "/weights/1"},
         {"{" POINTS ",\"weights\":[1,-2]}", "/weights"},
         {"{" POINTS ",\"weights\":[0,0]}", "/weights"},
@@ -59,7 +40,7 @@ static void refuses_bad_bodies(void **state)
         {"{" POINTS ",\"method\":3}", "/method"},
         {"{" POINTS ",\"start\":3}", "/start"},
     };
-    CHECK_REFUSED(decode, struct mean, cases)
+    CHECK_REFUSED(decode, struct proto_mean_request, cases)
 }
 
 static void writes_answers(void **state)
