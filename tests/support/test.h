@@ -25,7 +25,7 @@
 
 /* Sanitizers slow the long tests down some ten times. With a sanitizer, these tests make one of
  * TEST_STRIDE repetitions. */
-#define TEST_STRIDE (TEST_IS_SANITIZED ? 4 : 1)
+#define TEST_STRIDE (TEST_IS_SANITIZED ? 10 : 1)
 
 #include "gd/point.h"
 #include "tests/samples/random.h"

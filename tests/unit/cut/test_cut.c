@@ -437,7 +437,8 @@ static void random_curves_on_shared_meshes(void **state)
                                         "spot",    "homer",     "beast",  "stanford-bunny",
                                         "fandisk", "rocker-arm"};
     const char *curves = getenv("GD_CUT_CURVES");
-    uint32_t each = (curves ? (uint32_t)strtoul(curves, NULL, 10) : 100) / COUNT(names);
+    uint32_t each =
+        (curves ? (uint32_t)strtoul(curves, NULL, 10) : 100 / TEST_STRIDE) / COUNT(names);
     struct tally all = {0};
     for (size_t i = 0; i < COUNT(names); i++) {
         struct gd_mesh *mesh = test_shared_mesh(names[i]);

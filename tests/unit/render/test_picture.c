@@ -24,7 +24,7 @@ static void a_triangle_has_its_area(void **state)
     (void)state;
     struct rng rng = {3};
     double worst = 0;
-    for (int round = 0; round < 20; round++) {
+    for (int round = 0; round < 20; round += TEST_STRIDE) {
         double positions[3][3] = {
             {0, 0, 0}, {1, rng_between(&rng, 0.2, 0.8), 0}, {rng_between(&rng, 0.2, 0.8), 1, 0}};
         uint32_t corners[3] = {0, 1, 2};
@@ -310,7 +310,7 @@ static void random_pictures(void **state)
     check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
                             &field, NULL),
              NULL);
-    for (int round = 0; round < 60; round++) {
+    for (int round = 0; round < 60; round += TEST_IS_SANITIZED ? 7 : 1) {
         struct gd_point to = test_point(mesh, test_random_place(&polygons, &rng));
         struct gd_path path;
         check_ok(gd_field_path(field, &to, &path), NULL);
@@ -377,7 +377,7 @@ static void the_control_is_checked(void **state)
     assert_int_equal(
         status_of(&picture, &(struct gd_control){.progress = test_watch, .user = &watch}), GD_OK);
     assert_true(watch.calls > 50 && watch.last > 0.9);
-    for (uint32_t most = 1; most < watch.calls; most += 1 + watch.calls / 20) {
+    for (uint32_t most = 1; most < watch.calls; most += 1 + watch.calls * TEST_STRIDE / 20) {
         struct test_watch again = {.most = most};
         assert_int_equal(
             status_of(&picture, &(struct gd_control){.progress = test_watch, .user = &again}),

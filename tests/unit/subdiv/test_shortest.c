@@ -79,7 +79,7 @@ static void laws(void **state)
     struct gd_limit_mesh *fine = fine_of(surface, 5);
     struct rng rng = {3};
     uint32_t relaxed = 0;
-    for (int n = 0; n < 40; n++) {
+    for (int n = 0; n < 40; n += TEST_STRIDE) {
         struct gd_limit_point place[3];
         double distance[3], error = 0;
         for (int i = 0; i < 3; i++)
@@ -101,7 +101,7 @@ static void laws(void **state)
             assert_true(distance[i] <= distance[(i + 1) % 3] + distance[(i + 2) % 3] + error);
     }
     /* the other paths end at conjugate points or pass a vertex of valence 3 */
-    assert_true(relaxed > 110);
+    assert_true(relaxed * TEST_STRIDE > 110);
     gd_limit_mesh_free(fine);
     gd_subdivision_release(surface);
 }
