@@ -5,8 +5,10 @@ fails once alone, and once together with all later allocations. The answer must 
 503), the correct answer, or a closed connection. Afterwards the daemon still runs, answers the same
 request correctly, and holds no more memory than before.
 
-    tests/fault/alloc.py [--short] [--only WORD]     --short: call paths that have failed
-    in one request do not fail again in others
+    tests/fault/alloc.py [--short] [--only WORD]
+
+--short: call paths that have failed in one request do not fail again in others. After the first
+DENSE trials of a request, only every STEP-th new call path fails.
 """
 import argparse
 import contextlib
@@ -30,6 +32,7 @@ REFUSED = {503: ("overloaded", "draining", "store_unavailable"), 507: ("insuffic
 PATIENCE_SECONDS = 20
 # largest number of trials of a request; more trials would mean that call paths never end
 MOST_TRIALS = 3000
+DENSE, STEP = 30, 6
 # members that differ between two answers to the same request
 VOLATILE = re.compile(rb'"(?:elapsed_ms|age_s|uptime_s|requested_at|created|created_at|started_at|finished_at|expires_at|id|job|trace_id|build_ms)":'
                       rb'\s*(?:"[^"]*"|[-+.0-9eE]+)')
@@ -62,7 +65,8 @@ class Stacks(ctypes.Structure):
 class Control(ctypes.Structure):
     """Mirrors struct control of alloc_preload.c."""
 
-    _fields_ = [("order", ctypes.c_uint32), ("failures", ctypes.c_uint32), ("blocks", ctypes.c_int64), ("stacks", Stacks), ("sites", Stacks)]
+    _fields_ = [("order", ctypes.c_uint32), ("failures", ctypes.c_uint32), ("blocks", ctypes.c_int64),
+                ("step", ctypes.c_uint32), ("padding", ctypes.c_uint32), ("stacks", Stacks), ("sites", Stacks)]
 
     def forget(self):
         ctypes.memset(ctypes.byref(self.stacks), 0, ctypes.sizeof(self.stacks))
@@ -291,7 +295,7 @@ def judge(request, answer, right, tally):
 
 
 def try_once(scene, request, order, tally):
-    """Runs one trial; returns whether an allocation failed."""
+    """Runs one trial. A trial in which no allocation fails is judged too, but not counted."""
     path = scene.prepare(request)
     scene.control.failures = 0
     scene.control.order = order
@@ -301,7 +305,7 @@ def try_once(scene, request, order, tally):
     scene.control.order = FINE
     failed = scene.control.failures > 0
     if not scene.is_alive:
-        return failed
+        return
     right = scene.ask(request, scene.prepare(request) if request.is_change else path)
     # after a failed field build the daemon waits a second before it tries again
     if right is not None and is_refusal(right):
@@ -311,16 +315,18 @@ def try_once(scene, request, order, tally):
         tally.wrong.append(f"{request}, after the trial: {right}")
     elif fault := judge(request, answer, right, tally):
         tally.wrong.append(f"{request}: {fault}")
-    return failed
 
 
-def sweep(scene, request, tally):
-    """Runs trials until each call path has failed, first with single failures, and then with
+def sweep(scene, request, is_short, tally):
+    """Runs trials until a trial reaches no new call path, first with single failures, and then with
     lasting failures."""
     for order in (FRESH, LASTING):
         known = bytes(scene.control.stacks)
-        for _ in range(MOST_TRIALS):
-            if not try_once(scene, request, order, tally) or not scene.is_alive:
+        for trial in range(MOST_TRIALS):
+            reached = scene.control.stacks.count
+            scene.control.step = STEP if is_short and trial >= DENSE else 1
+            try_once(scene, request, order, tally)
+            if scene.control.stacks.count == reached or not scene.is_alive:
                 break
         if order == FRESH:
             ctypes.memmove(ctypes.byref(scene.control.stacks), known, len(known))
@@ -334,13 +340,13 @@ def held(scene, request):
     return min(scene.settled_blocks() for _ in range(8))
 
 
-def try_request(scene, request, tally):
+def try_request(scene, request, is_short, tally):
     """Sweeps once, and repeats the sweep as long as each sweep leaves more blocks. A cache grows
     only once, but a leak grows every time."""
     known, before = bytes(scene.control.stacks), held(scene, request)
     for _ in range(3):
         ctypes.memmove(ctypes.byref(scene.control.stacks), known, len(known))
-        sweep(scene, request, tally)
+        sweep(scene, request, is_short, tally)
         if not scene.is_alive or (after := held(scene, request)) <= before:
             return
         before = after
@@ -352,7 +358,7 @@ def run(place, library, requests, is_short, tally):
     scene = Scene(place, library)
     for request in [each for each in all_requests(scene.document) if requests in str(each)]:
         trials = tally.trials
-        try_request(scene, request, tally)
+        try_request(scene, request, is_short, tally)
         print(f"{request}: {tally.trials - trials} failures", file=sys.stderr, flush=True)
         if not scene.is_alive:
             tally.crashes += 1

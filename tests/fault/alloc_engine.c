@@ -7,7 +7,8 @@
  *                                            --list: prints the addresses of failed calls
  *
  * Each call path (stack of return addresses) fails once alone, and once together with all later
- * calls. Without --short, each call also fails by its number. A child process runs an operation's
+ * calls. Without --short, each call also fails by its number. With --short, after the first DENSE
+ * trials only every STEP-th new call path fails. A child process runs an operation's
  * trials, so that a crash is counted. */
 #include <signal.h>
 #include <stdio.h>
@@ -21,7 +22,7 @@
 #include "tests/fault/allocator.h"
 #include "tests/fault/operations.h"
 
-enum { OUT_MOST = 1 << 16, PATIENCE_SECONDS = 400, SHOWN = 10 };
+enum { OUT_MOST = 1 << 16, PATIENCE_SECONDS = 400, SHOWN = 10, DENSE = 30, STEP = 6 };
 
 /* Counters in memory that the child processes share. */
 static struct tally {
@@ -131,17 +132,21 @@ static bool try_one(const struct operation *operation, struct result expected,
 
 /* --- all of one operation --------------------------------------------------------------------- */
 
-/* Repeats trials with one kind of `order` until no further call fails. */
+/* Repeats trials with one kind of `order` until no further call fails, or, if `order` selects fresh
+ * calls, until a trial reaches no new call path. */
 static void try_each(const struct operation *operation, struct result expected, const char *kind,
                      struct allocator_order order)
 {
     memset(&tally->book.stacks, 0, sizeof tally->book.stacks);
-    bool is_numbered = !order.fresh;
-    unsigned long number = 0;
-    do {
+    bool is_numbered = !order.fresh, goes_on = true;
+    for (unsigned long number = 0; goes_on; number++) {
+        uint32_t reached = tally->book.stacks.count;
         if (is_numbered) order.nth = number + 1;
-        snprintf(tally->trial, sizeof tally->trial, "%s %lu", kind, number++);
-    } while (try_one(operation, expected, order));
+        if (is_short && number >= DENSE) order.step = STEP;
+        snprintf(tally->trial, sizeof tally->trial, "%s %lu", kind, number);
+        bool has_failed = try_one(operation, expected, order);
+        goes_on = is_numbered ? has_failed : tally->book.stacks.count > reached;
+    }
 }
 
 static void try_all(const struct operation *operation)

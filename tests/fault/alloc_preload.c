@@ -19,6 +19,7 @@ struct control {
     _Atomic uint32_t order;
     _Atomic uint32_t failures; /* number of failures since alloc.py set this to 0 */
     _Atomic int64_t blocks;    /* number of held blocks */
+    _Atomic uint32_t step;     /* as in allocator.h, for FRESH and LASTING */
     struct stacks stacks;      /* call paths that have failed */
     struct stacks sites;       /* the return addresses of calls that have failed */
 };
@@ -38,12 +39,20 @@ __attribute__((constructor)) static void open_control(void)
     if (pages != MAP_FAILED) control = pages;
 }
 
+/* Adds the call path to those that have failed. Returns whether the call fails. */
+static bool is_chosen(uint64_t stack, const void *site)
+{
+    if (!stacks_add(&control->stacks, stack)) return false;
+    return control->step < 2 || control->stacks.count % control->step == 0 ||
+           !stacks_has(&control->sites, (uintptr_t)site);
+}
+
 static __attribute__((noinline)) bool fails(const void *site)
 {
     if (!control || is_inside || control->order == ORDER_FINE) return false;
     is_inside = true;
-    bool failed = control->failures ? control->order == ORDER_LASTING
-                                    : stacks_add(&control->stacks, stacks_here());
+    bool failed =
+        control->failures ? control->order == ORDER_LASTING : is_chosen(stacks_here(), site);
     if (failed) {
         stacks_add(&control->sites, (uintptr_t)site);
         control->failures++;

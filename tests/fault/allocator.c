@@ -36,6 +36,14 @@ struct allocator_live allocator_live(void)
     return (struct allocator_live){blocks, mapped};
 }
 
+/* Adds the call path to those that have failed. Returns whether the call fails. */
+static bool is_chosen(uint64_t stack, const void *site)
+{
+    if (!stacks_add(&book->stacks, stack)) return false;
+    return order.step < 2 || book->stacks.count % order.step == 0 ||
+           !stacks_has(&book->sites, (uintptr_t)site);
+}
+
 /* Returns whether the call from `site` must fail. */
 static __attribute__((noinline)) bool fails(const void *site)
 {
@@ -43,7 +51,7 @@ static __attribute__((noinline)) bool fails(const void *site)
     unsigned long number = ++calls;
     bool failed = order.lasting && failures;
     if (order.nth && number == order.nth) failed = true;
-    if (order.fresh && !failures) failed = stacks_add(&book->stacks, stacks_here());
+    if (order.fresh && !failures) failed = is_chosen(stacks_here(), site);
     if (!failed) return false;
     stacks_add(&book->sites, (uintptr_t)site);
     failures++;
