@@ -15,12 +15,12 @@ TEST_PACKAGES := clang clang-format codespell libclang-rt-{clang}-dev libcmocka-
                  debhelper dh-python lintian pkg-config haproxy postgresql
 OPTIONAL_TEST_PACKAGES := libosd-dev libcgal-dev wrk $(KUBECTL) python3-numpy python3-tqdm python3-plotly python3-setuptools python3-wheel mypy cmake zsh fish
 # The pages need node and npm, from Debian or elsewhere. If the system has no npm, npm is installed
-# into the checkout. The tests of the pages need a browser: chromium, from Debian. Ubuntu's package
-# chromium is not installed, because it installs a snap.
+# into the checkout. The tests of the pages need a browser: Debian's chromium without windows, which
+# needs no GTK. Ubuntu has only a snap of chromium, which is not installed.
 NODE     = $(if $(filter no,$(VIEWER)),,$(shell command -v node >/dev/null || echo nodejs) --npm $(NPM) 10.9.4)
 NPM     := $(CURDIR)/build/npm
 export PATH := $(PATH):$(NPM)/node_modules/.bin
-CHROMIUM = $(if $(filter no,$(VIEWER)),,$(shell command -v chromium >/dev/null || grep -qs '^ID=ubuntu' /etc/os-release || echo chromium))
+CHROMIUM = $(if $(filter no,$(VIEWER)),,$(shell command -v chromium >/dev/null || grep -qs '^ID=ubuntu' /etc/os-release || echo chromium-headless-shell))
 # Other vendors' packages of kubectl conflict with Debian's.
 KUBECTL  = $(shell command -v kubectl >/dev/null || echo kubernetes-client)
 
