@@ -37,13 +37,13 @@ $(BUILD)/gd_load: $(BUILD)/obj/tests/fault/load.c.o $(LINK)
 FUZZERS      := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZ_SECONDS ?= 60
 # Fault tests in their short form. `make torture` runs the long form.
-FAULT_TESTS   = "$(BUILD)/gd_alloc --short" tests/fault/scarcity.py tests/fault/kill.py tests/fault/replay.py "tests/fault/disk.py --step 7" \
-                tests/fault/flip.py tests/fault/restore.py "tests/fault/halfopen.py --short" "tests/fault/overload.py --short" "tests/fault/answers.py --short" \
-                tests/fault/disconnect.py "tests/fault/deadline.py --short --count 300" tests/fault/stuck_log.py "tests/fault/tenants.py --short" tests/fault/soak.py
+FAULT_TESTS   = tests/fault/soak.py "tests/fault/answers.py --short" tests/fault/replay.py "$(BUILD)/gd_alloc --short" "tests/fault/tenants.py --short" tests/fault/flip.py \
+                tests/fault/kill.py tests/fault/stuck_log.py "tests/fault/overload.py --short" tests/fault/disconnect.py "tests/fault/halfopen.py --short" \
+                tests/fault/scarcity.py tests/fault/restore.py "tests/fault/deadline.py --short --count 300"
 
-# `make test` fuzzes each parser for 10 seconds, from a fixed seed. fuzz_surface, which checks
+# `make test` fuzzes each parser for 5 seconds, from a fixed seed. fuzz_surface, which checks
 # properties of distances, only replays its corpus.
-FUZZ_SHORT    = tests/fuzz/run.py --seconds 10 --seed 1 $(filter-out %/fuzz_surface,$(FUZZ_PROGRAMS))
+FUZZ_SHORT    = tests/fuzz/run.py --seconds 5 --seed 1 $(filter-out %/fuzz_surface,$(FUZZ_PROGRAMS))
 FUZZ_REPLAY   = tests/fuzz/run.py --seconds 0 $(ASAN_BUILD)/fuzz_surface
 FUZZ_PROGRAMS = $(patsubst tests/fuzz/%.c,$(ASAN_BUILD)/%,$(FUZZERS))
 

@@ -6,8 +6,9 @@ usage: tests/run.py [--jobs N] [--timeout SECONDS] PROGRAM...
 A program is a cmocka binary (its TAP output is counted), or any other command that prints lines `ok
 NAME` / `not ok NAME` / `skip NAME: REASON`. The output of a failed program is shown, without the
 tests that passed. Skipped tests, and lines that begin with `# ` (figures worth reporting), are
-always shown. The last line is `N passed, N failed, N skipped`; the exit status is 0 only if nothing
-failed and something passed.
+always shown. One program more than the machine has cores runs at once, because some programs mostly
+wait; a program is reported when it has ended. The last line is `N passed, N failed, N skipped`; the
+exit status is 0 only if nothing failed and something passed.
 """
 import argparse
 import concurrent.futures
@@ -60,13 +61,13 @@ def worth_telling(output, failed):
 
 def main():
     arguments = argparse.ArgumentParser()
-    arguments.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    arguments.add_argument("--jobs", type=int, default=(os.cpu_count() or 1) + 1)
     arguments.add_argument("--timeout", type=float, default=1200)
     arguments.add_argument("programs", nargs="+")
     options = arguments.parse_args()
     total = [0, 0, 0]
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for future in [pool.submit(run, program, options.timeout) for program in options.programs]:
+        for future in concurrent.futures.as_completed([pool.submit(run, program, options.timeout) for program in options.programs]):
             command, output, passed, failed, skipped, seconds = future.result()
             total = [total[0] + passed, total[1] + failed, total[2] + skipped]
             print(f"{'FAIL' if failed else 'ok  '} {command}  {passed} passed, {failed} failed, {skipped} skipped, {seconds:.1f} s")

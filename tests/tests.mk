@@ -60,26 +60,33 @@ $(OWN_ROUTES): $(TESTED_ROUTES)
 .PHONY: announce-test
 announce-test:
 	@echo "make test: installs what is missing (compilers, PostgreSQL, HAProxy and Chromium among it; tests start these themselves, none stays as"
-	@echo "a service), builds everything twice (plain, and with sanitizers) and runs all tests: 20 to 35 minutes on two cores, 3.2 GB of disk."
+	@echo "a service), builds everything twice (plain, and with sanitizers) and runs all tests: 15 to 30 minutes on two cores, 3 GB of disk."
 
 # The tests over HTTP and in the browser are split into several programs, because tests/run.py runs
-# two programs at once and limits the time of each. test_contract_problems mostly waits.
+# some programs at once and limits the time of each. $(call api_part,N): every fourth module, from
+# module N. test_contract_problems alone takes as long as such a part.
 API_MODULES := $(filter-out test_contract_problems,$(sort $(basename $(notdir $(wildcard tests/api/test_*.py)))))
-API_HALF    := $(shell expr $(words $(API_MODULES)) / 2)
-API_FIRST   := $(wordlist 1,$(API_HALF),$(API_MODULES))
-API_SECOND  := $(filter-out $(API_FIRST),$(API_MODULES))
+api_part = "tests/api/run.py $(shell printf '%s\n' $(API_MODULES) | awk 'NR % 4 == $(1) % 4')"
 WEB_FIRST  := types,modules:,viewer:,surfaces:,uploads:,answers:,history:
 WEB_SECOND := layout:,picture:,derive:,embed:,modes:,docs:,figures:
+
+# The longest programs begin. Programs that mostly wait for daemons lie between those that compute,
+# because they leave the processor to the others.
+LONG_TESTS    = "tests/fault/alloc.py --short" "tests/api/run.py test_contract_problems" $(call api_part,1) \
+                "tests/web/run.py --build $(BUILD) --only $(WEB_SECOND)" $(call api_part,2) "$(FUZZ_SHORT)"
+WAITING_TESTS = tests/cluster/run.py $(call api_part,3) "tests/web/run.py --build $(BUILD) --only $(WEB_FIRST)" "tests/fault/disk.py --step 7" \
+                "tests/cluster/shared.py --short" $(call api_part,4) "tests/package/run.py --build $(BUILD)" "tests/cluster/routing.py --short" \
+                "tests/package/libraries.py --build $(BUILD)"
+SHORT_TESTS   = $(FAULT_TESTS) "tests/cluster/capacity.py --short" "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
+                $(foreach name,table peers plots throughput,"tests/bench/$(name).py --quick --build $(BUILD)") \
+                tests/package/dist.py tests/oracle/mirror.py tests/cluster/shipped.py "$(FUZZ_REPLAY)"
 
 test: announce-test setup-test ## set up and run all tests
 	@$(MAKE) --no-print-directory -j3 nurbs-peers contract-linter contract-generators web-peers build test-build libraries \
 	    $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
 	@$(MAKE) --no-print-directory -j2 $(SANITIZED) $(ASAN_PROGRAMS) $(FUZZ_PROGRAMS)
 	@$(MAKE) --no-print-directory check-layers
-	@tests/run.py $(TEST_PROGRAMS) "tests/fault/alloc.py --short" "tests/api/run.py test_contract_problems" "$(FUZZ_SHORT)" $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
-	    "tests/bench/table.py --quick --build $(BUILD)" "tests/bench/peers.py --quick --build $(BUILD)" "tests/bench/plots.py --quick --build $(BUILD)" \
-	    "tests/bench/throughput.py --quick --build $(BUILD)" \
-	    tests/oracle/mirror.py "tests/api/run.py $(API_FIRST)" "tests/web/run.py --build $(BUILD) --only $(WEB_FIRST)" "tests/api/run.py $(API_SECOND)" tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/package/libraries.py --build $(BUILD)" tests/package/dist.py "tests/cluster/routing.py --short" "tests/cluster/shared.py --short" "tests/cluster/capacity.py --short" tests/cluster/shipped.py "tests/web/run.py --build $(BUILD) --only $(WEB_SECOND)" $(FAULT_TESTS) "$(FUZZ_REPLAY)"
+	@tests/run.py $(LONG_TESTS) $(ASAN_PROGRAMS) $(WAITING_TESTS) $(TEST_PROGRAMS) $(SHORT_TESTS)
 
 # $(call install_from_npm,FOLDER,PACKAGES,WHAT IS SKIPPED WITHOUT THEM): installs packages below
 # $(BUILD)/FOLDER, unless the same packages are installed there.
