@@ -1,23 +1,24 @@
 /* Part of kernel_lanes.h: lists of children under construction. Joins windows of one source;
  * contests other windows that overlap. */
-/* A list of children under construction. Each vector has the same value in all lanes. b0, b1, x, y,
- * sigma and source describe the list's last window, with its ends before they were cut. The other
- * vectors describe the window that was offered last. */
+/* A list of children under construction. b0, b1, x, y, sigma and source describe the list's last
+ * window, with its ends before they were cut. The other numbers describe the window that was
+ * offered last. They are not vectors, because most lists are so short that filling vectors would
+ * take more time than it saves. */
 struct chain {
     struct gd__children *list;
     double width;
-    lanes b0, b1, x, y, sigma, offered_b0, offered_x, offered_y;
-    ids source;
+    double b0, b1, x, y, sigma, offered_b0, offered_x, offered_y;
+    uint32_t source;
 };
 
 static struct chain open_chain(struct gd__children *list, double width)
 {
-    lanes before = all(-1e300);
+    const double before = -1e300;
     list->count = 0;
     list->tangled = GD_NONE;
     list->tangled_last = 0;
-    return (struct chain){list,   width,  before, before, before,          before,
-                          before, before, before, before, ids_all(GD_NONE)};
+    return (struct chain){list,   width,  before, before, before, before,
+                          before, before, before, before, GD_NONE};
 }
 
 static inline void tangle(struct chain *chain, uint32_t first, uint32_t last)
@@ -65,7 +66,7 @@ static void join(struct chain *chain, struct group *g, mask joined)
     if (inner & 1) { /* the first run continues the list's last window */
         lanes end = compress(mask_of(ends & -ends), g->b1);
         out->b1[chain->list->count - 1] = first_of(end);
-        chain->b1 = last_of(end, 1);
+        chain->b1 = first_of(end);
         ends &= ends - 1;
     }
     mask starts = mask_of(active & ~inner);

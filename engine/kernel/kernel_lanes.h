@@ -5,10 +5,10 @@
  *
  * A `lanes` holds LANES doubles, an `ids` LANES 32-bit integers, and a `mask` one truth value for
  * each lane. Arithmetic uses C's operators. `pick(m, a, b)` has the lanes of `a` where m is true,
- * and of `b` elsewhere. `compress` moves the lanes of a mask to the front. `after(carry, a)` shifts
- * all lanes up by one and inserts the last lane of `carry`. `ahead` shifts them down by one.
- * `last_of` broadcasts lane count - 1. `bits` and `mask_of` convert a mask to and from an integer.
- * A `floats` holds FLOATS floats.
+ * and of `b` elsewhere. `compress` moves the lanes of a mask to the front. `after(first, a)` shifts
+ * all lanes up by one and sets the lowest lane to the number `first`. `ahead` shifts them down by
+ * one. `first_of` returns the number in the lowest lane, `last_of` that in lane count - 1. `bits`
+ * and `mask_of` convert a mask to and from an integer. A `floats` holds FLOATS floats.
  *
  * In a side's frame the apex is p = (px, py) and a source (x, -y). For a point (b, 0) of the edge,
  * k(b) = (b - x)(py + y) - y (px - x) is negative if the ray through the point passes left of p. */

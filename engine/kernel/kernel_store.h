@@ -4,9 +4,12 @@
 static bool has_gaps(const struct gd__windows *w, uint32_t count, double length)
 {
     const lanes tolerance = all(GD_TOL_ADJACENT * length);
-    for (uint32_t i = 0; i + 1 < count; i += LANES) {
-        mask gap = gt(load(w->b0 + i + 1), load(w->b1 + i) + tolerance);
-        if (any(both(first_lanes(count - 1 - i), gap))) return true;
+    double before = 1e300;
+    for (uint32_t i = 0; i < count; i += LANES) {
+        lanes b1 = load(w->b1 + i);
+        mask gap = gt(load(w->b0 + i), after(before, b1) + tolerance);
+        if (any(both(first_lanes(count - i), gap))) return true;
+        before = w->b1[i + LANES - 1];
     }
     return false;
 }

@@ -119,9 +119,9 @@ static inline lanes compress(mask m, lanes a)
 {
     return permuted(a, chosen_halves[bits(m)]);
 }
-static inline lanes after(lanes carry, lanes a)
+static inline lanes after(double first, lanes a)
 {
-    return _mm256_blend_pd(_mm256_permute4x64_pd(a, 0x90), carry, 1);
+    return _mm256_blend_pd(_mm256_permute4x64_pd(a, 0x90), all(first), 1);
 }
 static inline lanes ahead(lanes a)
 {
@@ -131,9 +131,9 @@ static inline mask mask_ahead(mask m)
 {
     return _mm256_blend_pd(ahead(m), _mm256_setzero_pd(), 8);
 }
-static inline lanes last_of(lanes a, uint32_t count)
+static inline double last_of(lanes a, uint32_t count)
 {
-    return _mm256_permute4x64_pd(permuted(a, chosen_halves[1u << (count - 1)]), 0);
+    return _mm256_cvtsd_f64(permuted(a, chosen_halves[1u << (count - 1)]));
 }
 static inline double first_of(lanes a)
 {
@@ -174,13 +174,13 @@ static inline ids ids_compress(mask m, ids a)
 {
     return ids_permuted(a, chosen_ids[bits(m)]);
 }
-static inline ids ids_after(ids carry, ids a)
+static inline ids ids_after(uint32_t first, ids a)
 {
-    return _mm_blend_epi32(_mm_shuffle_epi32(a, 0x90), carry, 1);
+    return _mm_blend_epi32(_mm_shuffle_epi32(a, 0x90), ids_all(first), 1);
 }
-static inline ids ids_last_of(ids a, uint32_t count)
+static inline uint32_t ids_last_of(ids a, uint32_t count)
 {
-    return _mm_shuffle_epi32(ids_permuted(a, chosen_ids[1u << (count - 1)]), 0);
+    return (uint32_t)_mm_cvtsi128_si32(ids_permuted(a, chosen_ids[1u << (count - 1)]));
 }
 static inline ids ids_reversed(ids a)
 {

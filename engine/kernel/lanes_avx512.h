@@ -94,10 +94,10 @@ static inline lanes compress(mask m, lanes a)
 {
     return _mm512_maskz_compress_pd(m, a);
 }
-static inline lanes after(lanes carry, lanes a)
+static inline lanes after(double first, lanes a)
 {
     return _mm512_castsi512_pd(
-        _mm512_alignr_epi64(_mm512_castpd_si512(a), _mm512_castpd_si512(carry), 7));
+        _mm512_alignr_epi64(_mm512_castpd_si512(a), _mm512_castpd_si512(all(first)), 7));
 }
 static inline lanes ahead(lanes a)
 {
@@ -108,9 +108,9 @@ static inline mask mask_ahead(mask m)
 {
     return m >> 1;
 }
-static inline lanes last_of(lanes a, uint32_t count)
+static inline double last_of(lanes a, uint32_t count)
 {
-    return _mm512_permutexvar_pd(_mm512_set1_epi64(count - 1), a);
+    return _mm512_cvtsd_f64(_mm512_permutexvar_pd(_mm512_set1_epi64(count - 1), a));
 }
 static inline double first_of(lanes a)
 {
@@ -146,13 +146,14 @@ static inline ids ids_compress(mask m, ids a)
 {
     return _mm256_maskz_compress_epi32(m, a);
 }
-static inline ids ids_after(ids carry, ids a)
+static inline ids ids_after(uint32_t first, ids a)
 {
-    return _mm256_alignr_epi32(a, carry, 7);
+    return _mm256_alignr_epi32(a, ids_all(first), 7);
 }
-static inline ids ids_last_of(ids a, uint32_t count)
+static inline uint32_t ids_last_of(ids a, uint32_t count)
 {
-    return _mm256_permutexvar_epi32(_mm256_set1_epi32((int)count - 1), a);
+    return (uint32_t)_mm256_cvtsi256_si32(
+        _mm256_permutexvar_epi32(_mm256_set1_epi32((int)count - 1), a));
 }
 static inline ids ids_reversed(ids a)
 {

@@ -92,10 +92,10 @@ static inline lanes compress(mask m, lanes a)
     (void)m;
     return a;
 }
-static inline lanes after(lanes carry, lanes a)
+static inline lanes after(double first, lanes a)
 {
     (void)a;
-    return carry;
+    return first;
 }
 static inline lanes ahead(lanes a)
 {
@@ -106,7 +106,7 @@ static inline mask mask_ahead(mask m)
     (void)m;
     return false;
 }
-static inline lanes last_of(lanes a, uint32_t count)
+static inline double last_of(lanes a, uint32_t count)
 {
     (void)count;
     return a;
@@ -146,12 +146,12 @@ static inline ids ids_compress(mask m, ids a)
     (void)m;
     return a;
 }
-static inline ids ids_after(ids carry, ids a)
+static inline ids ids_after(uint32_t first, ids a)
 {
     (void)a;
-    return carry;
+    return first;
 }
-static inline ids ids_last_of(ids a, uint32_t count)
+static inline uint32_t ids_last_of(ids a, uint32_t count)
 {
     (void)count;
     return a;
