@@ -1,6 +1,8 @@
 /* Measures the distance between two surfaces from samples. Only the largest distance is needed. So
  * the search for the nearest face of a sample ends as soon as it finds a face that is nearer than
- * the largest distance so far. */
+ * the largest distance so far. Consecutive samples lie close to each other. So each search begins
+ * at the nearest face of the previous sample and first walks to nearer neighbours. The walk alone
+ * serves most samples. */
 #include "base/pace.h"
 #include "base/share.h"
 #include "edit/edited.h"
@@ -16,6 +18,7 @@ struct farthest {
     struct gd_vec3 q; /* the sample; all lengths here are in the mesh's normalised unit */
     double best;      /* squared distance of q from the surface */
     double largest;   /* squared distance of the farthest sample so far */
+    uint32_t face;    /* a face that is `best` from q; at first a face near the previous sample */
 };
 
 static double outside(double x, double min, double max)
@@ -35,16 +38,36 @@ static void visit_face(struct gd__bvh_search *search, uint32_t face)
 {
     struct farthest *farthest = (struct farthest *)search;
     double squared = gd__face_square_distance(farthest->mesh, face, farthest->q);
-    if (squared < farthest->best) farthest->best = squared;
+    if (squared < farthest->best) {
+        farthest->best = squared;
+        farthest->face = face;
+    }
     search->limit = farthest->best <= farthest->largest ? -1 : farthest->best;
+}
+
+/* Visits `face` and its neighbours, then the neighbours of the nearest of them, until no neighbour
+ * is nearer, or until the sample cannot be the farthest one. */
+static void walk(struct farthest *farthest, uint32_t face)
+{
+    const struct gd_mesh *mesh = farthest->mesh;
+    double before = INFINITY;
+    visit_face(&farthest->search, face);
+    while (farthest->search.limit >= 0 && farthest->best < before) {
+        before = farthest->best;
+        const uint32_t *side = mesh->face_side[farthest->face];
+        for (int k = 0; k < 3; k++) {
+            uint32_t across = mesh->side_face[side[k] ^ 1];
+            if (across != GD_NONE) visit_face(&farthest->search, across);
+        }
+    }
 }
 
 static void measure(struct farthest *farthest, struct gd_vec3 q)
 {
     farthest->q = q;
     farthest->best = INFINITY;
-    farthest->search.limit = INFINITY;
-    gd__bvh_run(farthest->mesh, &farthest->search);
+    walk(farthest, farthest->face);
+    if (farthest->search.limit >= 0) gd__bvh_run(farthest->mesh, &farthest->search);
     farthest->largest = fmax(farthest->largest, farthest->best);
 }
 
