@@ -63,8 +63,8 @@ bench-peers: $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(if $(GEOMETRY_CENTRAL),$
 bench-http: build $(BUILD)/gd_http_bare ## measure requests a second and latency, and compare with bare libmicrohttpd (needs wrk)
 	tests/bench/throughput.py --build $(BUILD)
 
-bench-around: build $(BUILD)/gd_bench ## measure requests around a field of 1.1 million faces, uploads and loading (needs the bunny)
-	tests/bench/around.py --build $(BUILD)
+bench-around: build $(BUILD)/gd_bench ## measure requests around a field of 1.1 million faces, uploads and loading (needs the bunny; RANDOM_REQUESTS=1000)
+	tests/bench/around.py --build $(BUILD) --random $(or $(RANDOM_REQUESTS),0)
 
 bench-plots: $(BUILD)/gd_bench ## plot the cost of fields against mesh size, as SVG (MAX_FACES=300000)
 	tests/bench/plots.py --build $(BUILD) --max-faces $(or $(MAX_FACES),300000)

@@ -3,15 +3,15 @@
 gradients, files, farthest points, pictures, bulk pairs, matrices, uploads and loading.
 
 usage: tests/bench/around.py [--build DIR] [--runs N] [--workers N] [--only WORD] [--random N]
-                             [--quick] [--mesh "ARGUMENTS of gd_bench"] [--small "…"]
+                             [--kind WORD] [--quick] [--mesh "ARGUMENTS of gd_bench"] [--small "…"]
                              [--upload "…"]
 
 Each row has the time of a request (least and median of the runs), the processor time of the daemon,
 its page faults, the size of the answer, and the target. Targets are multiples of the field's time
 in gd_bench. The answers are read, but not parsed. A row is measured on new data in each run where
-the daemon would otherwise answer from its cache. --random N sends N random requests of all kinds,
-one after the other, and reports the slowest. --quick measures small meshes, to check that this
-program works.
+the daemon would otherwise answer from its cache. --random N sends N random requests of all kinds
+(tests/bench/random_requests.py), one after the other, and reports the slowest of each kind. --quick
+measures small meshes, to check that this program works.
 """
 import contextlib
 import http.client
@@ -25,6 +25,7 @@ import sys
 import tempfile
 import time
 
+import random_requests
 from common import SHARED, Checks, Failure, bench_arguments, find_program, machine, number, print_table, record, run_lines, show_progress, write_json
 from throughput import START_SECONDS
 
@@ -49,7 +50,7 @@ class Daemon:
 
     def __init__(self, options, folder, *more):
         self.log = pathlib.Path(folder) / "log"
-        command = [find_program(options.build / "geodesicd"), "--listen", "127.0.0.1:0", "--landmarks", "0", "--memory-budget", "10GiB",
+        command = [find_program(options.build / "geodesicd"), "--listen", "127.0.0.1:0", "--landmarks", "0", "--memory-budget", "10GiB", "--timeout-ms", "600000",
                    "--workers", str(options.workers), *more]
         with open(self.log, "wb") as log:
             self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=log)
@@ -285,81 +286,61 @@ def measure_store(table, folder, text):
 # --- random requests ----------------------------------------------------------------------------
 
 
-def random_requests(draw, described, field):
-    """Returns functions that make a random request: method, target and body."""
-    faces, vertices = described["faces"], described["vertices"]
-    mesh = "/v1/meshes/large"
+def finished(daemon, target):
+    """Waits for the end of a job or batch. Returns its target."""
+    while json.loads(daemon.ask("GET", target))["state"] in ("queued", "running"):
+        time.sleep(0.02)
+    return target
 
-    def point():
-        u, v = sorted((draw.randrange(1, 1000), draw.randrange(1, 1000)))
-        return draw.choice([{"vertex": draw.randrange(vertices)}, {"face": draw.randrange(faces), "barycentric": [u / 1000, (v - u) / 1000, (1000 - v) / 1000]}])
 
-    def word():
-        return f"v:{draw.randrange(vertices)}"
+def send_random(daemon, request):
+    """Returns the seconds of a request, its processor seconds, its status, and an error's text.
+    A job's processor seconds are those until its end."""
+    before, begin = usage_of(daemon.process)[0], time.monotonic()
+    status, text = daemon.send(*request)
+    seconds = time.monotonic() - begin
+    if "Prefer" in request[-1]:
+        status, text = daemon.send("GET", finished(daemon, "/v1/jobs/" + json.loads(text)["id"]) + "/result")
+        status = f"job {status}"
+    text = "" if str(status).endswith(("200", "201", "202")) else text[:120].decode(errors="replace")
+    return seconds, usage_of(daemon.process)[0] - before, status, text
 
-    def points(most):
-        return [point() for _ in range(draw.randint(1, most))]
 
-    def angle():
-        return draw.uniform(0, 6)
-
-    def vectors():
-        return [{"direction": angle(), "length": draw.random()} for _ in range(draw.randint(1, 9))]
-
-    return {
-        "distance": lambda: ("GET", f"{mesh}/distance?from={word()}&to={word()}"),
-        "path": lambda: ("GET", f"{mesh}/path?from={word()}&to={word()}"),
-        "nearest": lambda: ("GET", f"{mesh}/nearest?point=p:{draw.random()},{draw.random()},{draw.random()}"),
-        "describe": lambda: ("GET", mesh),
-        "boundaries": lambda: ("GET", f"{mesh}/boundaries"),
-        "matrix": lambda: ("POST", f"{mesh}/matrix", {"sources": points(2), "targets": points(8)}),
-        "pairs": lambda: ("POST", f"{mesh}/pairs", {"from": [point()], "to": points(6)}),
-        "nearest points": lambda: ("POST", f"{mesh}/nearest-points", {"points": points(500)}),
-        "distance to set": lambda: ("POST", f"{mesh}/distance-to-set", {"set": {"points": points(4)}, "points": points(9)}),
-        "field": lambda: ("POST", f"{mesh}/fields", {"set": {"points": points(3)}}),
-        "values": lambda: ("GET", f"{field.path}/values"),
-        "evaluate": lambda: ("POST", f"{field.path}/evaluate", {"points": points(1000)}),
-        "wedges": lambda: ("GET", f"{field.path}/wedges?edge=0-1"),
-        "isolines": lambda: ("GET", f"{field.path}/isolines?count={draw.randint(1, 20)}"),
-        "voronoi": lambda: ("POST", f"{mesh}/voronoi", {"set": {"points": points(6)}}),
-        "farthest": lambda: ("POST", f"{mesh}/farthest-points", {"count": draw.randint(1, 3), "start": point()}),
-        "trace": lambda: ("POST", f"{mesh}/trace", {"start": point(), "directions": [angle() for _ in range(5)], "length": draw.random()}),
-        "exp": lambda: ("POST", f"{mesh}/exp", {"start": point(), "vectors": vectors()}),
-        "log": lambda: ("POST", f"{mesh}/log", {"from": point(), "to": points(5)}),
-        "transport": lambda: ("POST", f"{mesh}/transport", {"from": point(), "to": point(), "vectors": vectors()}),
-        "mean": lambda: ("POST", f"{mesh}/mean", {"points": points(3)}),
-        "spline": lambda: ("POST", f"{mesh}/spline", {"points": [point() for _ in range(4)], "samples": 9}),
-        "picture": lambda: ("GET", f"{mesh}/picture.png?source={word()}"),
-        "picture of a path": lambda: ("GET", f"{mesh}/picture.svg?from={word()}&to={word()}"),
-        "curve distance": lambda: ("POST", f"{mesh}/curve-distance", {"a": {"points": points(4)}, "b": {"points": points(3)}}),
-        "content": lambda: ("GET", f"{mesh}/content?format={draw.choice(['obj', 'ply', 'stl', 'glb', 'off'])}"),
-        "preview": lambda: ("GET", f"{mesh}/preview"),
-        "derive": lambda: ("POST", f"{mesh}/derive", {"mesh": "derived", "operations": [{"operation": "simplify", "faces": 1000}]}),
-        "cut": lambda: ("POST", f"{mesh}/cut", {"curve": {"points": [point(), point(), point()], "closed": True}, "select_only": True}),
-    }
+def random_kinds(options, daemon, described):
+    """Returns the functions that make random requests, by kind."""
+    random_requests.prepare(daemon, options.quick)
+    body = {"query": "all-pairs", "mesh": "small", "vertices": [0, 1, 2]}
+    batch = finished(daemon, "/v1/batches/" + json.loads(daemon.ask("POST", "/v1/batches", body))["id"])
+    body, headers = {"from": {"vertex": 0}, "to": {"vertex": 1}}, {**JSON_TYPE, "Prefer": "respond-async"}
+    job = finished(daemon, "/v1/jobs/" + json.loads(daemon.ask("POST", "/v1/meshes/large/path", body, headers))["id"])
+    return random_requests.kinds(random_requests.Draw(6, described), Field(daemon, "large", 0).path, job, batch)
 
 
 def measure_random(options, daemon, described):
-    """Sends random requests. Prints the slowest of each kind."""
+    """Sends random requests: at first each kind once. Prints the slowest of each kind."""
     draw = random.Random(6)
     daemon.connection.close()  # the daemon may have closed it while bodies were prepared
-    requests = random_requests(draw, described, Field(daemon, "large", 0))
-    kinds = {name: [] for name in requests}
-    statuses = {name: {} for name in requests}
-    for i in range(options.random):
-        show_progress(f"random request {i + 1} of {options.random}")
-        kind = draw.choice(list(requests))
-        request = requests[kind]()
-        begin = time.monotonic()
-        status, text = daemon.send(*request)
-        kinds[kind].append(time.monotonic() - begin)
-        if status not in statuses[kind]:
-            statuses[kind][status] = text[:120].decode(errors="replace") if status >= 300 else ""
+    kinds = {name: make for name, make in random_kinds(options, daemon, described).items() if options.kind in name}
+    if not options.kind and (missing := random_requests.missing(kinds)):
+        raise Failure(f"no random request has the operation {missing[0]}")
+    names = [*kinds, *draw.choices(list(kinds), k=max(0, options.random - len(kinds)))]
+    draw.shuffle(names)
+    measured = {name: [] for name in kinds}
+    for i, name in enumerate(names):
+        show_progress(f"random request {i + 1} of {len(names)}: {name}")
+        measured[name].append(send_random(daemon, kinds[name]()))
     show_progress("")
-    print_table(["random requests", "count", "median s", "most s", "over 2 s", "statuses"],
-                [[kind, str(len(times)), f"{statistics.median(times):.3f}", f"{max(times):.3f}", str(sum(one > SLOW_SECONDS for one in times)),
-                  " ".join(f"{status} {text}" for status, text in statuses[kind].items())]
-                 for kind, times in sorted(kinds.items(), key=lambda item: -max(item[1], default=0)) if times])
+    print_random(measured)
+
+
+def print_random(measured):
+    """Prints a row for each kind, the one with the most processor time first."""
+    rows = []
+    for name, those in sorted(measured.items(), key=lambda item: -max(one[1] for one in item[1])):
+        seconds, cpu, statuses, texts = zip(*those)
+        rows.append([name, str(len(those)), *(f"{value:.3f}" for times in (seconds, cpu) for value in (statistics.median(times), max(times))),
+                     str(sum(one > SLOW_SECONDS for one in seconds)), " ".join(f"{status} {text}".strip() for status, text in dict(zip(statuses, texts)).items())])
+    print_table(["random requests", "count", "median s", "most s", "cpu median s", "cpu most s", "over 2 s", "statuses"], rows)
 
 
 # --- all of it ----------------------------------------------------------------------------------
@@ -370,6 +351,7 @@ def read_options():
     arguments.add_argument("--runs", type=int, default=5)
     arguments.add_argument("--workers", type=int, default=2)
     arguments.add_argument("--random", type=int, default=0)
+    arguments.add_argument("--kind", default="", help="only random requests whose kind has this in it")
     bunny = SHARED / "stanford-bunny.obj"
     arguments.add_argument("--mesh", default=f"--subdivide 2 {bunny}", help="the large mesh: 1.1 million faces")
     arguments.add_argument("--small", default=str(bunny), help="for fields and the matrix")
