@@ -362,11 +362,13 @@ def read_options():
 def measure(options, folder):
     meshes = {"small": options.small, "large": options.mesh}
     seconds = {name: field_seconds(options, mesh) for name, mesh in meshes.items()}
+    # before the daemon starts, because it closes idle connections
+    texts = {name: export(options, mesh) for name, mesh in meshes.items()}
     table = Table(options)
     print("fields in gd_bench:", ", ".join(f"{name} {one:.3f} s" for name, one in seconds.items()))
     with running(options, folder, "--store", "memory") as daemon:
-        described = {name: json.loads(daemon.ask("PUT", f"/v1/meshes/{name}", export(options, mesh), BYTES_TYPE))
-                     for name, mesh in meshes.items()}
+        described = {name: json.loads(daemon.ask("PUT", f"/v1/meshes/{name}", text, BYTES_TYPE))
+                     for name, text in texts.items()}
         daemon.wait_until_idle()
         for name in meshes:
             measure_new_fields(table, daemon, name, described[name]["vertices"], seconds[name])
