@@ -32,6 +32,12 @@ $(TEST_PROGRAMS): private GD_LDFLAGS += -Wl,-rpath,$(abspath $(BUILD)) $(TEST_LD
 endif
 
 $(call objects,$(TEST_ENGINE) $(TEST_SERVER)): | $(BUILD)/stamps/test-headers
+
+# Test programs have no line numbers, because copies of those of all libraries take 130 MB. DEBUG=-g
+# adds them.
+ifeq ($(SAN)$(filter-out -g1,$(DEBUG)),)
+$(TEST_PROGRAMS): private GD_LDFLAGS += -Wl,--strip-debug
+endif
 $(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(TESTED_ENGINE) $(LINK)
 	@mkdir -p $(@D)
 	$(call link,$(CXX)) $(ENGINE_LIBS) $(TEST_LIBS) -lcmocka
