@@ -51,6 +51,8 @@ class Generators(TestCase):
 
     def test_a_fault_is_found(self):
         document = self.daemon.get("/openapi.json").json
+        path = "/v1/meshes/{name}/distance"
+        document["paths"] = {path: document["paths"][path]}  # the generators are fast on one path
         document["components"]["schemas"]["DistanceAnswer"]["properties"]["from"] = {"$ref": "#/components/schemas/NoSuch"}
         for generator in ("openapi-typescript", "orval"):
             with self.subTest(generator=generator):
