@@ -142,11 +142,6 @@
 /* A mesh is graded if its shortest edge is less than this part of the longest one. */
 #define GD_TOL_GRADED 1e-6
 
-/* Wedges are packed if the shortest edge is at least this long, in the normalised unit. Packed
- * coordinates have an absolute precision of 2^-115. For sources within GD_TOL_ON_BORDER of an edge
- * this is below rounding. */
-#define GD_TOL_PACKED 1e-6
-
 /* A leg counts as straight if its crossing of an edge is off the straight line by at most this part
  * of the edge. The reason is that the ends of wedges are stored with an error of 2^-32 of the
  * edge. */

@@ -10,7 +10,10 @@
  * in memory. Each array is 8-byte aligned. Their order is that of struct layout below. */
 
 static const char magic[8] = "GDFIELD";
-static const uint32_t version = 4;
+static const uint32_t version = 5;
+
+/* The seeds follow the wedges, so kernels may read behind the last chunk. */
+_Static_assert(sizeof(struct gd__seed) >= GD__CHUNK_SLACK, "an image has slack behind its wedges");
 
 struct header {
     struct gd__image_header image_header;
@@ -162,14 +165,14 @@ static bool is_chunk(const struct gd_field *field, uint32_t at, uint64_t *left)
     uint64_t begin = (uint64_t)at * GD__CHUNK_UNIT, bytes = sizeof(struct gd__chunk);
     if (begin + bytes > field->wedge_bytes) return false;
     const struct gd__chunk *chunk = gd__field_chunk(field, at);
-    if (chunk->form > GD__WEDGE_WIDE) return false;
+    if (chunk->form > GD__WEDGE_WIDE || !chunk->count) return false;
     bytes = gd__chunk_bytes(chunk);
     if (begin + bytes > field->wedge_bytes || bytes > *left) return false;
     *left -= bytes;
     struct gd__wedges wedges = gd__chunk_wedges(chunk);
     for (uint32_t i = 0; i < chunk->count; i++)
         if (!is_source(field, gd__wedge_source(&wedges, i))) return false;
-    return chunk->previous == GD_NONE || chunk->previous < at;
+    return !chunk->has_previous || gd__chunk_previous(chunk) < at;
 }
 
 /* Returns true if all chains are valid. Because all chains together must not exceed the bytes of
@@ -179,7 +182,7 @@ static bool are_chains_sound(const struct gd_field *field)
     uint64_t left = field->wedge_bytes;
     for (uint32_t e = 0; e < field->mesh->edge_count; e++)
         for (uint32_t at = field->newest[e]; at != GD_NONE;
-             at = gd__field_chunk(field, at)->previous)
+             at = gd__chunk_previous(gd__field_chunk(field, at)))
             if (!is_chunk(field, at, &left)) return false;
     return true;
 }

@@ -85,7 +85,7 @@ static inline uint32_t take_views(const struct gd_field *field, const struct vie
         wedge_view->y = view->at[k].y;
         wedge_view->side = view->side[k];
         count += chunk->is_far == (view->side[k] & 1);
-        cursor->chunk = chunk->previous;
+        cursor->chunk = gd__chunk_previous(chunk);
     }
     return count;
 }

@@ -27,7 +27,7 @@ bool gd__edge_windows_next(struct gd__edge_windows *windows, struct gd__window *
         if (windows->next < chunk->count) {
             w = gd__field_window(field, chunk, windows->next++, length);
         } else {
-            windows->chunk = chunk->previous;
+            windows->chunk = gd__chunk_previous(chunk);
             windows->next = 0;
         }
     }

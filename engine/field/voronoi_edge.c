@@ -30,21 +30,11 @@ static bool has_seed_of_another(const struct gd__diagram *diagram, uint32_t edge
     return false;
 }
 
-/* The source of wedge `i` belongs to a block of 256 consecutive pseudo-sources. Returns the member
- * that all of them have. Returns GD_NONE if their members differ, or if the wedge is wide. Reads
- * only the high bits of the source. For a gap the result may be any member. */
-static uint32_t member_of_block(const struct gd__diagram *diagram, const struct gd__wedges *wedges,
-                                uint32_t i)
+/* Returns true if a whole block of 256 consecutive pseudo-sources belongs to the member, and the
+ * source is one of them. The array of blocks is small, so it stays in the cache. */
+static bool is_in_block(const struct gd__diagram *diagram, uint32_t source, uint32_t member)
 {
-    const uint32_t *of_block = diagram->members.of_block;
-    switch (wedges->form) {
-    case GD__WEDGE_16:
-        return of_block[((const uint8_t *)wedges->high)[i]];
-    case GD__WEDGE_24:
-        return of_block[((const uint16_t *)wedges->high)[i]];
-    default:
-        return GD_NONE;
-    }
+    return source >> 8 < GD__MEMBER_BLOCKS && diagram->members.of_block[source >> 8] == member;
 }
 
 static bool windows_are_mixed(const struct gd__diagram *diagram, uint32_t edge, uint32_t member)
@@ -54,11 +44,11 @@ static bool windows_are_mixed(const struct gd__diagram *diagram, uint32_t edge, 
         const struct gd__chunk *chunk = gd__field_chunk(diagram->field, at);
         struct gd__wedges wedges = gd__chunk_wedges(chunk);
         for (uint32_t i = 0; i < chunk->count; i++) {
-            if (member_of_block(diagram, &wedges, i) == member) continue;
             uint32_t source = gd__wedge_source(&wedges, i);
-            if (source != GD_NONE && member_of(diagram, source) != member) return true;
+            if (source == GD_NONE || is_in_block(diagram, source, member)) continue;
+            if (member_of(diagram, source) != member) return true;
         }
-        at = chunk->previous;
+        at = gd__chunk_previous(chunk);
     }
     return false;
 }

@@ -1,9 +1,9 @@
 #if defined(__x86_64__)
 #include "kernel/lanes_avx2.h"
 
-static inline lanes load_first(const double *p, uint32_t count)
+static inline lanes load_first(const gd__chunk_double *p, uint32_t count)
 {
-    return _mm256_maskload_pd(p, _mm256_castpd_si256(first_lanes(count)));
+    return _mm256_maskload_pd((const void *)p, _mm256_castpd_si256(first_lanes(count)));
 }
 
 static inline lanes starts_first(const uint32_t *p, uint32_t count)
@@ -12,36 +12,37 @@ static inline lanes starts_first(const uint32_t *p, uint32_t count)
     const double two52 = 4503599627370496.0;
     __m256i whole =
         _mm256_or_si256(_mm256_cvtepu32_epi64(ids_load(p)), _mm256_castpd_si256(all(two52)));
-    (void)count; /* reads beyond the array are safe, because further arrays of the chunk follow */
+    (void)count; /* reads up to GD__CHUNK_SLACK bytes behind the chunk */
     return _mm256_castsi256_pd(whole) - all(two52);
 }
 
-static inline ids highs_first(const struct gd__wedges *wedges, uint32_t at, uint32_t count)
+static inline ids ids_first(const uint32_t *p, uint32_t count)
 {
     (void)count;
-    if (wedges->form == GD__WEDGE_16)
-        return _mm_slli_epi32(_mm_cvtepu8_epi32(_mm_loadu_si32((uint8_t *)wedges->high + at)), 8);
-    if (wedges->form == GD__WEDGE_24)
-        return _mm_slli_epi32(
-            _mm_cvtepu16_epi32(_mm_loadl_epi64((const void *)((uint16_t *)wedges->high + at))), 8);
-    return ids_load((uint32_t *)wedges->high + at);
+    return ids_load(p);
 }
 
-static inline ids sources_of(ids high, lanes x, lanes y, uint64_t nibble)
+/* Reads up to GD__CHUNK_SLACK bytes behind the chunk. */
+static inline ids load_packed(const struct gd__wedges *wedges, uint32_t at,
+                              const struct gd__wedge_zero *zero, lanes *x, lanes *y)
 {
-    __m256i keep = _mm256_set1_epi64x((long long)nibble),
-            low =
-                _mm256_srli_epi64(_mm256_and_si256(_mm256_castpd_si256(x), keep), GD__WEDGE_SHIFT),
-            next = _mm256_srli_epi64(_mm256_and_si256(_mm256_castpd_si256(y), keep),
-                                     GD__WEDGE_SHIFT - 4),
-            order = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
-    return _mm_or_si128(high, _mm256_castsi256_si128(
-                                  _mm256_permutevar8x32_epi32(_mm256_or_si256(low, next), order)));
-}
-
-static inline lanes without(lanes a, uint64_t mask_bits)
-{
-    return _mm256_andnot_pd(_mm256_castsi256_pd(_mm256_set1_epi64x((long long)mask_bits)), a);
+    const char *low = wedges->low;
+    __m256i word = _mm256_loadu_si256((const void *)(wedges->word + at)),
+            high = _mm256_cvtepu32_epi64(ids_load(wedges->high + at)),
+            middle = _mm256_cvtepu16_epi64(_mm_loadl_epi64((const void *)(wedges->middle + at)));
+    __m256i rest = _mm256_or_si256(_mm256_set1_epi64x((long long)zero->y_bits),
+                                   _mm256_and_si256(word, _mm256_set1_epi64x(3))),
+            y_bits = _mm256_or_si256(_mm256_slli_epi64(high, GD__WEDGE_HIGH_SHIFT),
+                                     _mm256_slli_epi64(middle, GD__WEDGE_Y_SHIFT));
+    *x = _mm256_castsi256_pd(_mm256_or_si256(_mm256_set1_epi64x((long long)zero->x_bits),
+                                             _mm256_srli_epi64(word, GD__WEDGE_X_SHIFT)));
+    *y = _mm256_castsi256_pd(_mm256_or_si256(y_bits, rest));
+    ids above = wedges->form == GD__WEDGE_20
+                    ? _mm_cvtepu8_epi32(_mm_loadu_si32(low + at))
+                    : _mm_cvtepu16_epi32(_mm_loadl_epi64((const void *)(low + 2 * (size_t)at))),
+        below = ids_narrow(_mm256_srli_epi64(word, GD__WEDGE_Y_SHIFT));
+    return _mm_or_si128(_mm_slli_epi32(above, GD__WEDGE_LOW_SHIFT),
+                        _mm_and_si128(below, _mm_set1_epi32(GD__WEDGE_LOW_MASK)));
 }
 
 static inline mask ids_below(ids a, uint32_t limit)
@@ -58,12 +59,6 @@ static inline ids ids_scaled(ids a, uint32_t from, uint32_t by)
 static inline lanes gather(mask m, const double *from, ids at)
 {
     return _mm256_mask_i32gather_pd(_mm256_setzero_pd(), from, at, m, 8);
-}
-
-static inline double least_of(lanes a)
-{
-    __m128d half = _mm_min_pd(_mm256_castpd256_pd128(a), _mm256_extractf128_pd(a, 1));
-    return _mm_cvtsd_f64(_mm_min_sd(half, _mm_unpackhi_pd(half, half)));
 }
 
 static inline lanes ordinals(void)

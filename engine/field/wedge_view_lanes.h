@@ -1,14 +1,13 @@
 /* The view kernel for one set of vector instructions (lanes). wedge_view_plain.c, wedge_view_avx2.c
  * and wedge_view_avx512.c include it after the lanes' primitives (kernel/lanes_*.h). They define
  * these additional primitives:
- *     load_first, starts_first   read only the first lanes
- *     highs_first                reads the bits of sources that are stored beside x and y
- *     sources_of                 adds the bits that are stored in x and y (mask `nibble`)
- *     without                    clears bits
+ *     load_first, starts_first,
+ *     ids_first                  read the first lanes; other lanes are undefined
+ *     load_packed                reads x, y and the sources of a packed chunk; gd__wedge_zero must
+ *                                be subtracted from x and y
  *     gather                     reads an array at the ids of a mask's lanes; 0 in other lanes
  *     ids_below                  compares ids as unsigned integers
  *     ids_scaled                 returns (a - from) * by
- *     least_of                   returns the minimum of all lanes
  *     ordinals                   the numbers of the lanes: 0, 1, ...
  *
  * In the frame of the point's side a source is at (x, -y), the point at (px, py). */
@@ -38,18 +37,21 @@ static inline struct group load_group(const struct gd__wedge_view *wedge_view,
                                       const struct gd__wedges *wedges, uint32_t at)
 {
     uint32_t count = wedges->count - at;
-    bool is_wide = wedges->form == GD__WEDGE_WIDE;
-    uint64_t nibble = is_wide ? 0 : ~GD__WEDGE_MASK;
     struct group g;
-    lanes unit = all(wedge_view->length * GD__WEDGE_UNIT), length = all(wedge_view->length),
-          scale = all(is_wide ? 1 : GD__WEDGE_UNSCALE);
-    lanes x = load_first(wedges->x + at, count), y = load_first(wedges->y + at, count);
+    lanes unit = all(wedge_view->length * GD__WEDGE_UNIT), length = all(wedge_view->length);
     lanes next = pick(first_lanes(count - 1), starts_first(wedges->start + at + 1, count - 1),
                       all(GD__WEDGE_UNITS));
     g.here = first_lanes(count);
-    g.source = sources_of(highs_first(wedges, at, count), x, y, nibble);
-    g.x = without(x, nibble) * scale;
-    g.y = without(y, nibble | UINT64_C(1) << 63) * scale;
+    if (wedges->form == GD__WEDGE_WIDE) {
+        g.x = load_first(wedges->x + at, count);
+        g.y = load_first(wedges->y + at, count);
+        g.source = ids_first(wedges->high + at, count);
+    } else {
+        struct gd__wedge_zero zero = gd__wedge_zero(wedges->exponent);
+        g.source = load_packed(wedges, at, &zero, &g.x, &g.y);
+        g.x = g.x - all(zero.x);
+        g.y = g.y - all(zero.y);
+    }
     g.b0 = starts_first(wedges->start + at, count) * unit;
     g.b1 = next * unit;
     if (wedge_view->side & 1) {

@@ -148,7 +148,7 @@ static enum gd_status merge_edge(const struct gd_field *field, uint32_t edge, st
     for (uint32_t at = field->newest[edge]; at != GD_NONE && !status;) {
         const struct gd__chunk *chunk = gd__field_chunk(field, at);
         status = merge_chunk(field, chunk, field->mesh->side[2 * edge].length, m);
-        at = chunk->previous;
+        at = gd__chunk_previous(chunk);
     }
     if (!status) status = merge_own_sources(field, edge, m);
     close_up(&m->list, field->mesh->side[2 * edge].length);

@@ -41,9 +41,10 @@ struct gd__kernel {
     uint32_t (*within)(const struct gd__windows *windows, uint32_t count, double bound);
 
     /* Writes the windows of a side, at least one, as wedges of its edge to a chunk. The chunk's
-     * form must be set. `mirrored` is true for side 1. Sets the chunk's count and side. Returns
-     * false if there are gaps between the windows or if windows may be linear; gd__chunk_write
-     * handles these cases. Unless the form is wide, sources must be nearer than GD__WEDGE_LIMIT. */
+     * form must be set. `mirrored` is true for side 1. Changes the form to WIDE if a window needs
+     * it. Sets the chunk's count, exponent and side. Returns false if there are
+     * gaps between the windows or if windows may be linear; gd__chunk_write handles these
+     * cases. */
     bool (*store)(const struct gd__windows *windows, uint32_t count, double length, bool mirrored,
                   struct gd__chunk *out);
 

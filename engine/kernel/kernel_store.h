@@ -14,26 +14,54 @@ static bool has_gaps(const struct gd__windows *w, uint32_t count, double length)
     return false;
 }
 
-/* The wedges to which windows are written. If the chunk begins with a gap, they are the wedges
- * after this gap. */
+/* Returns the header of a chunk with its form and exponent. */
+static inline struct gd__chunk fitted_chunk(const struct gd__windows *w, uint32_t count,
+                                            double length, uint32_t form)
+{
+    lanes farthest = all(0), nearest = all(INFINITY), whole = all(length);
+    for (uint32_t i = 0; i < count; i += LANES) {
+        mask here = first_lanes(count - i);
+        lanes x = magnitude(load(w->x + i)), y = load(w->y + i),
+              near = load(w->sigma + i) + greater(x - whole, y);
+        farthest = greater(farthest, pick(here, greater(x, y), all(0)));
+        nearest = lesser(nearest, pick(here, near, all(INFINITY)));
+    }
+    double most = most_of(farthest);
+    int exponent = gd__wedge_exponent(most, length);
+    bool is_wide = form == GD__WEDGE_WIDE || exponent < 0 || exponent >= 2 * GD__WEDGE_BIAS ||
+                   any(le(nearest * all(GD__WEDGE_DETOUR), all(most + length)));
+    return (struct gd__chunk){.exponent = is_wide ? 0 : (uint32_t)exponent & 127,
+                              .form = is_wide ? GD__WEDGE_WIDE : form};
+}
+
 struct storing {
-    struct gd__wedges to; /* the wedges without the first gap */
-    double units;         /* number of units of wedge starts per unit of length */
-    double scale;         /* factor by which x and y are multiplied before they are packed */
-    uint64_t nibble;      /* mask of the bits of a source's number that x and y hold */
+    struct gd__wedges to;
+    uint32_t first; /* 1 if the chunk begins with a gap */
+    double units;   /* number of units of wedge starts per unit of length */
+    struct gd__wedge_zero zero;
+    double least;
 };
 
-/* Writes a whole group to each array from index `at` on. Lanes outside `here` are also written,
- * behind the end of an array: to padding, or to the beginning of the next array, which is written
- * afterwards. */
+/* Writes a whole group to each array, beginning with the wedge of window `at`. Lanes behind the end
+ * of an array go to the beginning of the next array, which is written afterwards, or behind the
+ * chunk. */
 static inline __attribute__((always_inline)) void
-store_group(const struct storing *s, uint32_t at, lanes b0, lanes x, lanes y, ids source, mask here)
+store_group(const struct storing *s, uint32_t at, lanes b0, lanes x, lanes y, ids source)
 {
     lanes start = lesser(greater(b0 * all(s->units), all(0)), all(GD__WEDGE_LATEST));
-    store_starts(s->to.start + at, pick(here, start, all(0)));
-    store_highs(&s->to, at, ids_pick(here, source));
-    store(s->to.x + at, packed(x * all(s->scale), source, GD__WEDGE_SHIFT, s->nibble));
-    store(s->to.y + at, packed(y * all(s->scale), source, GD__WEDGE_SHIFT - 4, s->nibble));
+    at += s->first;
+    if (s->to.form == GD__WEDGE_WIDE) {
+        store_doubles(s->to.x + at, x);
+        store_doubles(s->to.y + at, y);
+        store_starts(s->to.start + at, start);
+        ids_store(s->to.high + at, source);
+        return;
+    }
+    struct packed p =
+        packed(x + all(s->zero.x), greater(y, all(s->least)) + all(s->zero.y), source);
+    store_words(s->to.word + at, p.word);
+    store_starts(s->to.start + at, start);
+    store_rest(&s->to, at, &p);
 }
 
 static inline uint32_t last_group(uint32_t count)
@@ -45,10 +73,8 @@ static inline uint32_t last_group(uint32_t count)
  * other groups then write this beginning again. */
 static void store_straight(const struct gd__windows *w, uint32_t count, const struct storing *s)
 {
-    mask here = first_lanes(count - last_group(count));
-    for (uint32_t i = last_group(count);; i -= LANES, here = mask_of(UINT32_MAX)) {
-        store_group(s, i, load(w->b0 + i), load(w->x + i), all(-0.0) - load(w->y + i),
-                    ids_load(w->source + i), here);
+    for (uint32_t i = last_group(count);; i -= LANES) {
+        store_group(s, i, load(w->b0 + i), load(w->x + i), load(w->y + i), ids_load(w->source + i));
         if (!i) return;
     }
 }
@@ -59,11 +85,10 @@ static void store_mirrored(const struct gd__windows *w, uint32_t count, double l
                            const struct storing *s)
 {
     const lanes whole = all(length);
-    mask here = first_lanes(count - last_group(count));
-    for (uint32_t i = last_group(count);; i -= LANES, here = mask_of(UINT32_MAX)) {
+    for (uint32_t i = last_group(count);; i -= LANES) {
         ptrdiff_t at = (ptrdiff_t)count - i - LANES;
         store_group(s, i, reversed(whole - load(w->b1 + at)), reversed(whole - load(w->x + at)),
-                    reversed(load(w->y + at)), ids_reversed(ids_load(w->source + at)), here);
+                    reversed(load(w->y + at)), ids_reversed(ids_load(w->source + at)));
         if (!i) return;
     }
 }
@@ -83,23 +108,23 @@ static bool store_wedges(const struct gd__windows *w, uint32_t count, double len
     bool before = w->b0[0] > GD_TOL_ADJACENT * length,
          behind = w->b1[count - 1] + GD_TOL_ADJACENT * length < length;
     bool first = mirrored ? behind : before, last = mirrored ? before : behind;
-    out->is_far = mirrored;
-    out->count = count + first + last;
-    struct gd__wedges whole = gd__chunk_wedges(out);
-    bool is_wide = whole.form == GD__WEDGE_WIDE;
-    struct storing s = {.to = gd__wedges_from(&whole, first),
+    struct gd__chunk header = fitted_chunk(w, count, length, out->form);
+    header.is_far = mirrored;
+    header.count = count + first + last;
+    *out = header;
+    struct storing s = {.to = gd__chunk_wedges(out),
+                        .first = first,
                         .units = GD__WEDGE_UNITS / length,
-                        .scale = is_wide ? 1 : GD__WEDGE_SCALE,
-                        .nibble = is_wide ? 0 : ~GD__WEDGE_MASK};
-    memset((char *)whole.x - GD__CHUNK_UNIT, 0, GD__CHUNK_UNIT); /* the padding before x */
+                        .zero = gd__wedge_zero((int)header.exponent - GD__WEDGE_BIAS),
+                        .least = gd__wedge_least((int)header.exponent - GD__WEDGE_BIAS)};
     if (mirrored)
         store_mirrored(w, count, length, &s);
     else
         store_straight(w, count, &s);
-    whole.start[0] = 0; /* the first wedge starts exactly at the end of the edge */
-    if (first) store_gap(&whole, 0, 0, s.units);
+    s.to.start[0] = 0; /* the first wedge starts exactly at the end of the edge */
+    if (first) store_gap(&s.to, 0, 0, s.units);
     if (last)
-        store_gap(&whole, whole.count - 1, mirrored ? length - w->b0[0] : w->b1[count - 1],
-                  s.units);
+        store_gap(&s.to, count + first, mirrored ? length - w->b0[0] : w->b1[count - 1], s.units);
+    gd__chunk_pad(out);
     return true;
 }

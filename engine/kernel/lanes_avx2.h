@@ -197,30 +197,61 @@ static inline void store_starts(uint32_t *p, lanes start)
     _mm_storeu_si128((void *)p, _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(low, order)));
 }
 
-static inline ids ids_pick(mask m, ids a)
+static inline double least_of(lanes a)
+{
+    __m128d half = _mm_min_pd(_mm256_castpd256_pd128(a), _mm256_extractf128_pd(a, 1));
+    return _mm_cvtsd_f64(_mm_min_sd(half, _mm_unpackhi_pd(half, half)));
+}
+static inline double most_of(lanes a)
+{
+    __m128d half = _mm_max_pd(_mm256_castpd256_pd128(a), _mm256_extractf128_pd(a, 1));
+    return _mm_cvtsd_f64(_mm_max_sd(half, _mm_unpackhi_pd(half, half)));
+}
+
+/* Returns the lower halves of 64-bit integers. */
+static inline ids ids_narrow(__m256i a)
 {
     __m256i order = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
-    __m256i narrow = _mm256_permutevar8x32_epi32(_mm256_castpd_si256(m), order);
-    return _mm_and_si128(_mm256_castsi256_si128(narrow), a);
+    return _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(a, order));
 }
 
-static inline void store_highs(const struct gd__wedges *to, uint32_t at, ids source)
+static inline void store_doubles(gd__chunk_double *p, lanes a)
 {
-    __m128i high = _mm_srli_epi32(source, 8);
-    if (to->form == GD__WEDGE_16)
-        _mm_storeu_si32((uint8_t *)to->high + at,
-                        _mm_shuffle_epi8(high, _mm_set1_epi32(0x0c080400)));
-    else if (to->form == GD__WEDGE_24)
-        _mm_storel_epi64((void *)((uint16_t *)to->high + at), _mm_packus_epi32(high, high));
+    _mm256_storeu_si256((void *)p, _mm256_castpd_si256(a));
+}
+static inline void store_words(gd__chunk_word *p, __m256i a)
+{
+    _mm256_storeu_si256((void *)p, a);
+}
+
+struct packed {
+    __m256i word, y;
+    ids source;
+};
+
+static inline struct packed packed(lanes x, lanes y, ids source)
+{
+    __m256i y_bits = _mm256_castpd_si256(y),
+            below =
+                _mm256_cvtepu32_epi64(_mm_and_si128(source, _mm_set1_epi32(GD__WEDGE_LOW_MASK))),
+            word = _mm256_or_si256(_mm256_slli_epi64(_mm256_castpd_si256(x), GD__WEDGE_X_SHIFT),
+                                   _mm256_slli_epi64(below, GD__WEDGE_Y_SHIFT));
+    word = _mm256_or_si256(word, _mm256_and_si256(y_bits, _mm256_set1_epi64x(3)));
+    return (struct packed){word, y_bits, source};
+}
+
+static inline void store_rest(const struct gd__wedges *to, uint32_t at, const struct packed *p)
+{
+    ids above = _mm_srli_epi32(p->source, GD__WEDGE_LOW_SHIFT),
+        middle = _mm_and_si128(ids_narrow(_mm256_srli_epi64(p->y, GD__WEDGE_Y_SHIFT)),
+                               _mm_set1_epi32(0xffff));
+    ids_store(to->high + at, ids_narrow(_mm256_srli_epi64(p->y, GD__WEDGE_HIGH_SHIFT)));
+    _mm_storel_epi64((void *)(to->middle + at), _mm_packus_epi32(middle, middle));
+    if (to->form == GD__WEDGE_20)
+        _mm_storeu_si32((uint8_t *)to->low + at,
+                        _mm_shuffle_epi8(above, _mm_set1_epi32(0x0c080400)));
     else
-        _mm_storeu_si128((void *)((uint32_t *)to->high + at), source);
-}
-
-static inline lanes packed(lanes a, ids source, int shift, uint64_t nibble)
-{
-    __m256i bits = _mm256_and_si256(_mm256_slli_epi64(_mm256_cvtepu32_epi64(source), shift),
-                                    _mm256_set1_epi64x((long long)nibble));
-    return _mm256_or_pd(a, _mm256_castsi256_pd(bits));
+        _mm_storel_epi64((void *)((uint16_t *)to->low + at), _mm_packus_epi32(above, above));
 }
 
 #endif

@@ -165,28 +165,51 @@ static inline void store_starts(uint32_t *p, lanes start)
     _mm256_storeu_si256((void *)p, _mm512_cvttpd_epu32(start));
 }
 
-static inline ids ids_pick(mask m, ids a)
+static inline double least_of(lanes a)
 {
-    return _mm256_maskz_mov_epi32(m, a);
+    return _mm512_reduce_min_pd(a);
+}
+static inline double most_of(lanes a)
+{
+    return _mm512_reduce_max_pd(a);
 }
 
-static inline void store_highs(const struct gd__wedges *to, uint32_t at, ids source)
+static inline void store_doubles(gd__chunk_double *p, lanes a)
 {
-    ids high = _mm256_srli_epi32(source, 8);
-    if (to->form == GD__WEDGE_16)
-        _mm_storel_epi64((void *)((uint8_t *)to->high + at), _mm256_cvtepi32_epi8(high));
-    else if (to->form == GD__WEDGE_24)
-        _mm_storeu_si128((void *)((uint16_t *)to->high + at), _mm256_cvtepi32_epi16(high));
+    _mm512_storeu_pd(p, a);
+}
+static inline void store_words(gd__chunk_word *p, __m512i a)
+{
+    _mm512_storeu_si512(p, a);
+}
+
+struct packed {
+    __m512i word, y;
+    ids source;
+};
+
+static inline struct packed packed(lanes x, lanes y, ids source)
+{
+    __m512i y_bits = _mm512_castpd_si512(y),
+            below = _mm512_cvtepu32_epi64(
+                _mm256_and_si256(source, _mm256_set1_epi32(GD__WEDGE_LOW_MASK))),
+            word = _mm512_or_si512(_mm512_slli_epi64(_mm512_castpd_si512(x), GD__WEDGE_X_SHIFT),
+                                   _mm512_slli_epi64(below, GD__WEDGE_Y_SHIFT));
+    word = _mm512_or_si512(word, _mm512_and_si512(y_bits, _mm512_set1_epi64(3)));
+    return (struct packed){word, y_bits, source};
+}
+
+static inline void store_rest(const struct gd__wedges *to, uint32_t at, const struct packed *p)
+{
+    ids above = _mm256_srli_epi32(p->source, GD__WEDGE_LOW_SHIFT);
+    _mm256_storeu_si256((void *)(to->high + at),
+                        _mm512_cvtepi64_epi32(_mm512_srli_epi64(p->y, GD__WEDGE_HIGH_SHIFT)));
+    _mm_storeu_si128((void *)(to->middle + at),
+                     _mm512_cvtepi64_epi16(_mm512_srli_epi64(p->y, GD__WEDGE_Y_SHIFT)));
+    if (to->form == GD__WEDGE_20)
+        _mm_storel_epi64((void *)((uint8_t *)to->low + at), _mm256_cvtepi32_epi8(above));
     else
-        _mm256_storeu_si256((void *)((uint32_t *)to->high + at), source);
-}
-
-static inline lanes packed(lanes a, ids source, int shift, uint64_t nibble)
-{
-    __m512i bits =
-        _mm512_and_si512(_mm512_slli_epi64(_mm512_cvtepu32_epi64(source), (unsigned)shift),
-                         _mm512_set1_epi64((long long)nibble));
-    return _mm512_castsi512_pd(_mm512_or_si512(_mm512_castpd_si512(a), bits));
+        _mm_storeu_si128((void *)((uint16_t *)to->low + at), _mm256_cvtepi32_epi16(above));
 }
 
 #endif

@@ -167,26 +167,50 @@ static inline void store_starts(uint32_t *p, lanes start)
     *p = (uint32_t)start;
 }
 
-/* Returns `a` in the lanes of m, zero elsewhere. */
-static inline ids ids_pick(mask m, ids a)
+/* Returns the smallest lane, the largest lane. */
+static inline double least_of(lanes a)
 {
-    return m ? a : 0;
-}
-
-/* Stores the bits of the source's number that x and y do not hold, in the chunk's form. */
-static inline void store_highs(const struct gd__wedges *to, uint32_t at, ids source)
-{
-    if (to->form == GD__WEDGE_16) ((uint8_t *)to->high)[at] = (uint8_t)(source >> 8);
-    if (to->form == GD__WEDGE_24) ((uint16_t *)to->high)[at] = (uint16_t)(source >> 8);
-    if (to->form == GD__WEDGE_WIDE) ((uint32_t *)to->high)[at] = source;
-}
-
-/* Packs a scaled coordinate with the bits `nibble` of a source's shifted number. */
-static inline lanes packed(lanes a, ids source, int shift, uint64_t nibble)
-{
-    uint64_t word = gd__wedge_bits(&a) | ((uint64_t)source << shift & nibble);
-    memcpy(&a, &word, sizeof a);
     return a;
+}
+static inline double most_of(lanes a)
+{
+    return a;
+}
+
+/* Stores numbers of a chunk. */
+static inline void store_doubles(gd__chunk_double *p, lanes a)
+{
+    *p = a;
+}
+static inline void store_words(gd__chunk_word *p, uint64_t a)
+{
+    *p = a;
+}
+
+/* Packed wedges without their starts. */
+struct packed {
+    uint64_t word, y;
+    ids source;
+};
+
+/* Packs x and y, to which gd__wedge_zero has been added. */
+static inline struct packed packed(lanes x, lanes y, ids source)
+{
+    uint64_t y_bits = gd__wedge_bits(y);
+    uint64_t word = gd__wedge_bits(x) << GD__WEDGE_X_SHIFT |
+                    (source & GD__WEDGE_LOW_MASK) << GD__WEDGE_Y_SHIFT | (y_bits & 3);
+    return (struct packed){word, y_bits, source};
+}
+
+/* Stores what `start` and `word` do not hold. */
+static inline void store_rest(const struct gd__wedges *to, uint32_t at, const struct packed *p)
+{
+    to->high[at] = (uint32_t)(p->y >> GD__WEDGE_HIGH_SHIFT);
+    to->middle[at] = (uint16_t)(p->y >> GD__WEDGE_Y_SHIFT);
+    if (to->form == GD__WEDGE_20)
+        ((uint8_t *)to->low)[at] = (uint8_t)(p->source >> GD__WEDGE_LOW_SHIFT);
+    else
+        ((uint16_t *)to->low)[at] = (uint16_t)(p->source >> GD__WEDGE_LOW_SHIFT);
 }
 
 #define FLOATS 1

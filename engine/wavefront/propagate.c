@@ -32,16 +32,17 @@ GD__PREFETCH prefetch_receivers(const struct gd__wavefront *front, uint32_t side
 static enum gd_status store_chunk(struct gd__wavefront *front, uint32_t side,
                                   const struct gd__windows *windows, uint32_t count)
 {
+    if (count > GD__CHUNK_MOST / 2) return GD_BUDGET; /* gd__wedges_bound */
     enum gd_status status = gd__region_reserve(&front->work->wedges, gd__chunk_bound(count));
     if (status) return status;
     struct gd__chunk *chunk =
         (struct gd__chunk *)(front->work->wedges.base + front->work->wedges.used);
     double length = front->mesh->side[side].length;
     uint32_t *newest = gd__wavefront_newest(front, side >> 1);
-    chunk->previous = *newest;
     chunk->form = front->wedge_form;
     if (!front->kernel->store(windows, count, length, side & 1, chunk))
         gd__chunk_write(windows, count, length, side & 1, chunk);
+    gd__chunk_set_previous(chunk, *newest);
     if (front->paged) gd__paged_side(front->paged, side)->page.stays = true;
     *newest = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
     front->work->wedges.used += gd__chunk_bytes(chunk);

@@ -92,7 +92,7 @@ enum gd_status gd__prune_by_stored(struct gd__wavefront *front, uint32_t side, e
         const struct gd__chunk *chunk =
             (const struct gd__chunk *)(front->work->wedges.base + (size_t)at * GD__CHUNK_UNIT);
         bool is_own = chunk->is_far == (side & 1);
-        at = chunk->previous;
+        at = gd__chunk_previous(chunk);
         front->counts.wedges_compared += chunk->count;
         if (!(by & (is_own ? GD__PRUNE_BY_OWN : GD__PRUNE_BY_OTHER))) continue;
         status = cut_by_chunk(front, chunk, side, is_own, list, stored, out);

@@ -221,15 +221,6 @@ static bool has_segments(const struct gd__wavefront *front)
     return false;
 }
 
-static enum gd__wedge_form wedge_form(const struct gd__wavefront *front)
-{
-    const struct gd_mesh *mesh = front->mesh;
-    bool fit = gd__wedges_fit(mesh->summary.edge_length.min / mesh->unit,
-                              mesh->summary.edge_length.max / mesh->unit, mesh->edge_count);
-    return fit ? gd__wedge_form_of((uint64_t)mesh->vertex_count + front->seed_count)
-               : GD__WEDGE_WIDE;
-}
-
 static enum gd_status wavefront_open(struct gd__wavefront *front,
                                      const struct gd__propagation *propagation)
 {
@@ -246,7 +237,7 @@ static enum gd_status wavefront_open(struct gd__wavefront *front,
     front->newest = work->newest;
     front->predecessor = work->predecessor;
     front->queue = work->queue;
-    front->wedge_form = wedge_form(front);
+    front->wedge_form = gd__wedge_form_of((uint64_t)front->mesh->vertex_count + front->seed_count);
     front->kernel = gd__kernel_in_use();
     if (has_segments(front)) front->kernel = front->kernel->linear;
     front->work->scratch.apart = front->variant.no_coalescing;

@@ -2,44 +2,46 @@
 
 #include "gd/polygons.h"
 
-static double wedge_pack(const struct gd__wedges *wedges, double coordinate, uint32_t bits)
+/* As store_packed of the kernels. A source beyond the edge's line keeps y > 0. */
+static void put_packed(const struct gd__wedges *wedges, uint32_t i, double x, double y,
+                       uint32_t source)
 {
-    if (wedges->form == GD__WEDGE_WIDE) return coordinate;
-    double scaled = coordinate * GD__WEDGE_SCALE;
-    uint64_t packed = gd__wedge_bits(&scaled) | (uint64_t)(bits & GD__WEDGE_NIBBLE)
-                                                    << GD__WEDGE_SHIFT;
-    memcpy(&scaled, &packed, sizeof scaled);
-    return scaled;
+    struct gd__wedge_zero zero = gd__wedge_zero(wedges->exponent);
+    double least = source == GD_NONE ? 0 : gd__wedge_least(wedges->exponent);
+    uint64_t x_bits = gd__wedge_bits(x + zero.x),
+             y_bits = gd__wedge_bits((y > least ? y : least) + zero.y);
+    wedges->word[i] = x_bits << GD__WEDGE_X_SHIFT |
+                      (source & GD__WEDGE_LOW_MASK) << GD__WEDGE_Y_SHIFT | (y_bits & 3);
+    wedges->high[i] = (uint32_t)(y_bits >> GD__WEDGE_HIGH_SHIFT);
+    wedges->middle[i] = (uint16_t)(y_bits >> GD__WEDGE_Y_SHIFT);
+    if (wedges->form == GD__WEDGE_20)
+        ((uint8_t *)wedges->low)[i] = (uint8_t)(source >> GD__WEDGE_LOW_SHIFT);
+    else
+        ((uint16_t *)wedges->low)[i] = (uint16_t)(source >> GD__WEDGE_LOW_SHIFT);
 }
 
 void gd__wedge_put(const struct gd__wedges *wedges, uint32_t i, uint32_t start, double x, double y,
                    uint32_t source)
 {
     wedges->start[i] = start;
-    wedges->x[i] = wedge_pack(wedges, x, source);
-    wedges->y[i] = wedge_pack(wedges, y, source >> 4);
-    switch (wedges->form) {
-    case GD__WEDGE_16:
-        ((uint8_t *)wedges->high)[i] = (uint8_t)(source >> 8);
-        break;
-    case GD__WEDGE_24:
-        ((uint16_t *)wedges->high)[i] = (uint16_t)(source >> 8);
-        break;
-    case GD__WEDGE_WIDE:
-        ((uint32_t *)wedges->high)[i] = source;
-        break;
+    if (wedges->form != GD__WEDGE_WIDE) {
+        put_packed(wedges, i, x, y, source);
+        return;
     }
+    wedges->x[i] = x;
+    wedges->y[i] = y;
+    wedges->high[i] = source;
 }
 
 struct gd__window gd__wedge_window(const struct gd__wedges *wedges, uint32_t i, double length)
 {
-    double unit = length * GD__WEDGE_UNIT, y = gd__wedge_unpack(wedges, &wedges->y[i]);
+    double unit = length * GD__WEDGE_UNIT;
     struct gd__window w = {.b0 = wedges->start[i] * unit,
                            .b1 = i + 1 < wedges->count ? wedges->start[i + 1] * unit : length,
-                           .x = gd__wedge_unpack(wedges, &wedges->x[i]),
-                           .y = fabs(y),
+                           .x = gd__wedge_x(wedges, i),
+                           .y = gd__wedge_y(wedges, i),
                            .source = gd__wedge_source(wedges, i),
-                           .tags = signbit(y) ? 0 : GD__WINDOW_FAR_SIDE};
+                           .tags = wedges->is_far ? GD__WINDOW_FAR_SIDE : 0};
     if (w.source == GD_NONE || !gd__window_is_linear(&w)) return w;
     double half = w.y, scale = 1 / (1 + half * half);
     w.sigma = w.x;
@@ -114,20 +116,29 @@ static void writer_put_all(struct writer *writer, const struct gd__windows *wind
         if (linear && !window_has_inside(writer, &w)) continue;
         double x = linear ? w.sigma : w.x, y = linear ? half_tangent(w.x, w.y) : w.y;
         writer_put_gap(writer, w.b0, linear);
-        writer_put(writer, writer->count ? w.b0 : 0, x, mirrored ? y : -y, w.source);
+        writer_put(writer, writer->count ? w.b0 : 0, x, y, w.source);
         writer->end = w.b1;
     }
     writer_put_gap(writer, length, false);
 }
 
-static bool needs_wide_form(const struct gd__windows *windows, uint32_t count, double length)
+/* Chooses the form and the exponent. */
+static void fit_chunk(const struct gd__windows *windows, uint32_t count, double length,
+                      struct gd__chunk *out)
 {
-    bool is_wide = false;
-    for (uint32_t i = 0; i < count; i++)
-        is_wide |= gd__source_is_linear(windows->source[i]) ||
-                   !(fabs(windows->x[i]) + length < GD__WEDGE_LIMIT) ||
-                   !(windows->y[i] < GD__WEDGE_LIMIT);
-    return is_wide;
+    double farthest = 0, nearest = INFINITY;
+    bool is_linear = false;
+    for (uint32_t i = 0; i < count; i++) {
+        double x = fabs(windows->x[i]), y = windows->y[i];
+        farthest = fmax(farthest, fmax(x, y));
+        nearest = fmin(nearest, gd__wedge_nearest(x, y, windows->sigma[i], length));
+        is_linear |= gd__source_is_linear(windows->source[i]);
+    }
+    int exponent = gd__wedge_exponent(farthest, length);
+    if (is_linear || exponent < 0 || exponent >= 2 * GD__WEDGE_BIAS ||
+        !gd__wedges_fit(farthest, nearest, length))
+        out->form = GD__WEDGE_WIDE;
+    out->exponent = out->form == GD__WEDGE_WIDE ? 0 : (uint32_t)exponent & 127;
 }
 
 void gd__chunk_write(const struct gd__windows *windows, uint32_t count, double length,
@@ -136,12 +147,11 @@ void gd__chunk_write(const struct gd__windows *windows, uint32_t count, double l
     const double units = GD__WEDGE_UNITS / length;
     struct writer counter = {.length = length, .units = units};
     writer_put_all(&counter, windows, count, mirrored);
-    if (needs_wide_form(windows, count, length)) out->form = GD__WEDGE_WIDE;
+    fit_chunk(windows, count, length, out);
     out->is_far = mirrored;
     out->count = counter.count;
     struct gd__wedges to = gd__chunk_wedges(out);
-    /* this also zeroes the padding */
-    memset(out->data, 0, gd__wedge_heads_bytes(out->count, out->form));
     struct writer writer = {.to = &to, .length = length, .units = units};
     writer_put_all(&writer, windows, count, mirrored);
+    gd__chunk_pad(out);
 }

@@ -9,10 +9,9 @@
  * An edge has a chain of chunks, newest first; most chains have one chunk. Chunks of a chain may
  * overlap. Each wedge describes an existing path, so the distance is the minimum over all wedges.
  *
- * A wedge takes 21, 22 or 24 bytes, depending on the form of its chunk. Coordinates in the
- * normalised unit are far below 2^63, so they need at most 7 bits of a double's exponent. After
- * scaling by a power of two, x and y have 4 unused bits each. These bits hold the lower 8 bits of
- * the source's number, so x and y lose no precision (doc 030). */
+ * A wedge takes 19, 20 or 24 bytes, depending on the form of its chunk. In the packed forms, x and
+ * y are whole numbers of 50 bits, in units that the chunk's exponent defines. Their error is at
+ * most 2^(exponent - 50) (doc 030). */
 #ifndef GD_WINDOW_WEDGES_H
 #define GD_WINDOW_WEDGES_H
 
@@ -20,136 +19,212 @@
 
 #include "window/windows.h"
 
-/* Forms of a chunk. They store 16, 24 or (WIDE) 32 bits of a source's number. If all these bits are
- * set, the wedge is a gap. In the WIDE form, x and y hold no bits of the source's number. */
-enum gd__wedge_form { GD__WEDGE_16, GD__WEDGE_24, GD__WEDGE_WIDE };
+/* Forms of a chunk. The packed forms store 20 or 28 bits of a source's number, WIDE stores 32 bits
+ * and doubles. If all these bits are set, the wedge is a gap. */
+enum gd__wedge_form { GD__WEDGE_20, GD__WEDGE_28, GD__WEDGE_WIDE };
 
 struct gd__chunk {
-    /* offset of the next older chunk of the same edge, which is less than the offset of this chunk;
-     * GD_NONE ends the chain */
-    uint32_t previous;
-    uint32_t count : 29;
+    uint32_t count : 21;
+    uint32_t exponent : 7; /* packed forms: see GD__WEDGE_BIAS */
     /* 1 if the chunk's windows belong to side 1, 0 if they belong to side 0 */
     uint32_t is_far : 1;
+    /* 1 if the offset of the next older chunk of the same edge, which is less than the offset of
+       this chunk, follows the arrays */
+    uint32_t has_previous : 1;
     uint32_t form : 2;
-    uint64_t data[]; /* the arrays of struct gd__wedges */
+    uint32_t data[]; /* the arrays of struct gd__wedges */
 };
 
-/* The arrays of a chunk, in this order. x is 8-byte aligned. */
+/* Numbers of 64 bits in a chunk have the alignment of 32 bits. */
+typedef uint64_t __attribute__((aligned(4))) gd__chunk_word;
+typedef double __attribute__((aligned(4))) gd__chunk_double;
+
+/* The arrays of a chunk. In the packed forms they are, in this order, word, start, high, middle and
+ * low; in the WIDE form x, y, start and high. */
 struct gd__wedges {
-    uint32_t *start; /* b0 / length in units of 2^-32 */
-    /* for each wedge, the part of the source's number that x and y do not hold: 1, 2 or 4 bytes */
-    void *high;
-    /* Packed with bits of the source's number. y is negative for windows of side 0, positive for
-       windows of side 1. */
-    double *x, *y;
+    gd__chunk_word *word;    /* x, the 12 lowest bits of the source, the 2 lowest bits of y */
+    gd__chunk_double *x, *y; /* WIDE, y >= 0 */
+    uint32_t *start;         /* b0 / length in units of 2^-32 */
+    uint32_t *high;          /* bits 18 to 49 of y; WIDE: the source */
+    uint16_t *middle;        /* bits 2 to 17 of y */
+    void *low;               /* the source's number from bit 12 on: 1 or 2 bytes each */
     uint32_t count;
     enum gd__wedge_form form;
+    int exponent; /* packed forms: |x| and y are below 2^exponent */
+    bool is_far;
 };
 
 #define GD__CHUNK_UNIT   8            /* unit of chunk offsets, in bytes */
-#define GD__WEDGE_LEAST  21           /* bytes of one wedge in the shortest form */
+#define GD__CHUNK_MOST   0x1fffff     /* the largest number of wedges in a chunk */
+#define GD__CHUNK_SLACK  16           /* bytes behind a chunk that kernels may read */
+#define GD__WEDGE_LEAST  19           /* bytes of one wedge in the shortest form */
 #define GD__WEDGE_UNITS  4294967296.0 /* the number of units per edge in which starts are stored */
 #define GD__WEDGE_UNIT   (1.0 / GD__WEDGE_UNITS)
 #define GD__WEDGE_LATEST 4294967295.0 /* the largest start */
 
-/* Packing of x and y: if a number below LIMIT is multiplied by SCALE, the four bits from bit SHIFT
- * upwards are 0. */
-#define GD__WEDGE_LIMIT   0x1p63
-#define GD__WEDGE_SCALE   0x1p-959
-#define GD__WEDGE_UNSCALE 0x1p959
-#define GD__WEDGE_SHIFT   59
-#define GD__WEDGE_NIBBLE  15u
-#define GD__WEDGE_MASK    (~((uint64_t)GD__WEDGE_NIBBLE << GD__WEDGE_SHIFT))
+/* Packing. In units of 2^(exponent - 49), x is between -2^49 and 2^49. In units of 2^(exponent -
+ * 50), y is below 2^50. Adding gd__wedge_zero rounds to a whole number of units and moves this
+ * number, plus 2^49 for x, to the lower bits of the double. Subtracting unpacks. */
+#define GD__WEDGE_X_SHIFT    14 /* place of x in a word */
+#define GD__WEDGE_Y_SHIFT    2  /* number of bits of y in a word */
+#define GD__WEDGE_LOW_SHIFT  12 /* number of bits of the source in a word */
+#define GD__WEDGE_LOW_MASK   0xfffu
+#define GD__WEDGE_HIGH_SHIFT 18 /* number of bits of y below `high` */
+#define GD__WEDGE_BIAS       64 /* added to exponents */
+#define GD__WEDGE_DETOUR     4  /* see gd__wedges_fit */
+
+/* What is added to pack, and the exponent's bits that unpacking restores. */
+struct gd__wedge_zero {
+    double x, y;
+    uint64_t x_bits, y_bits;
+};
+
+static inline double gd__wedge_double(uint64_t bits)
+{
+    double number;
+    memcpy(&number, &bits, sizeof number);
+    return number;
+}
+
+static inline uint64_t gd__wedge_bits(double number)
+{
+    uint64_t bits;
+    memcpy(&bits, &number, sizeof bits);
+    return bits;
+}
+
+static inline struct gd__wedge_zero gd__wedge_zero(int exponent)
+{
+    /* 2^52 units of x and of y, and in addition 2^49 units of x */
+    uint64_t x_bits = (uint64_t)(1023 + 52 - 49 + exponent) << 52,
+             y_bits = x_bits - (UINT64_C(1) << 52);
+    return (struct gd__wedge_zero){gd__wedge_double(x_bits | UINT64_C(1) << 49),
+                                   gd__wedge_double(y_bits), x_bits, y_bits};
+}
+
+/* Returns the unit of y. */
+static inline double gd__wedge_least(int exponent)
+{
+    return gd__wedge_double((uint64_t)(1023 - 50 + exponent) << 52);
+}
 
 /* Returns the form with the fewest bytes that can number `sources` sources (vertices and seeds). */
 static inline enum gd__wedge_form gd__wedge_form_of(uint64_t sources)
 {
-    return sources < UINT16_MAX                ? GD__WEDGE_16
-           : sources < (UINT32_C(1) << 24) - 1 ? GD__WEDGE_24
+    return sources < (UINT32_C(1) << 20) - 1   ? GD__WEDGE_20
+           : sources < (UINT32_C(1) << 28) - 1 ? GD__WEDGE_28
                                                : GD__WEDGE_WIDE;
 }
 
-/* Returns true if all coordinates on a mesh can be packed. `shortest` and `longest` are edge
- * lengths in the normalised unit. The coordinates are bounded because no path is longer than all
- * edges together. */
-static inline bool gd__wedges_fit(double shortest, double longest, uint32_t edges)
+/* Returns a lower bound of a window's distances on an edge. `x` is the absolute value. */
+static inline double gd__wedge_nearest(double x, double y, double sigma, double length)
 {
-    return shortest >= GD_TOL_PACKED && longest * edges < GD__WEDGE_LIMIT / 2;
+    double beside = x - length;
+    return sigma + (beside > y ? beside : y);
 }
 
-/* Returns the size in bytes of the arrays `start` and `high`. */
-static inline size_t gd__wedge_heads_bytes(uint32_t count, enum gd__wedge_form form)
+/* Returns the exponent of a packed chunk, plus GD__WEDGE_BIAS. `farthest` is the largest |x| or y
+ * of its windows. The exponent also bounds length - x, and what rounding adds. */
+static inline int gd__wedge_exponent(double farthest, double length)
 {
-    size_t each = form == GD__WEDGE_WIDE ? 8 : 5 + (size_t)form;
-    return (each * count + 7) & ~(size_t)7;
+    double reach = (farthest + length) * (1 + 0x1p-40);
+    return (int)(gd__wedge_bits(reach) >> 52) - 1022 + GD__WEDGE_BIAS;
 }
 
-static inline size_t gd__wedges_bytes(uint32_t count, enum gd__wedge_form form)
+/* Returns true if packing changes no distance by more than 1e-14 of it. This fails only close to a
+ * seed. `nearest` is a lower bound of the distances. */
+static inline bool gd__wedges_fit(double farthest, double nearest, double length)
 {
-    return gd__wedge_heads_bytes(count, form) + 2 * sizeof(double) * (size_t)count;
+    return farthest + length < GD__WEDGE_DETOUR * nearest;
+}
+
+/* Returns the size in bytes of the header and of the arrays. */
+static inline size_t gd__chunk_end(const struct gd__chunk *chunk)
+{
+    size_t each = chunk->form == GD__WEDGE_WIDE ? 24 : GD__WEDGE_LEAST + (size_t)chunk->form;
+    return sizeof *chunk + each * chunk->count;
+}
+
+/* Returns the offset of the next older chunk of the same edge; GD_NONE ends the chain. */
+static inline uint32_t gd__chunk_previous(const struct gd__chunk *chunk)
+{
+    uint32_t previous = GD_NONE;
+    if (chunk->has_previous)
+        memcpy(&previous, (const char *)chunk + gd__chunk_end(chunk), sizeof previous);
+    return previous;
+}
+
+/* Sets the previous chunk of a chunk that has been written. */
+static inline void gd__chunk_set_previous(struct gd__chunk *chunk, uint32_t previous)
+{
+    chunk->has_previous = previous != GD_NONE;
+    if (chunk->has_previous)
+        memcpy((char *)chunk + gd__chunk_end(chunk), &previous, sizeof previous);
 }
 
 static inline size_t gd__chunk_bytes(const struct gd__chunk *chunk)
 {
-    return sizeof *chunk + gd__wedges_bytes(chunk->count, chunk->form);
+    return (gd__chunk_end(chunk) + 4 * (size_t)chunk->has_previous + 7) & ~(size_t)7;
+}
+
+/* Clears the padding behind the arrays, or more. */
+static inline void gd__chunk_pad(struct gd__chunk *chunk)
+{
+    memset((char *)chunk + gd__chunk_end(chunk), 0, 12);
 }
 
 static inline struct gd__wedges gd__chunk_wedges(const struct gd__chunk *chunk)
 {
-    char *data = (char *)chunk->data;
-    uint32_t count = chunk->count;
-    double *x = (double *)(data + gd__wedge_heads_bytes(count, chunk->form));
-    return (struct gd__wedges){.start = (uint32_t *)data,
-                               .high = data + sizeof(uint32_t) * (size_t)count,
-                               .x = x,
-                               .y = x + count,
-                               .count = count,
-                               .form = chunk->form};
+    size_t count = chunk->count;
+    gd__chunk_word *word = (gd__chunk_word *)chunk->data;
+    uint32_t *start = (uint32_t *)(word + (count << (chunk->form == GD__WEDGE_WIDE)));
+    uint16_t *middle = (uint16_t *)(start + 2 * count);
+    return (struct gd__wedges){.word = word,
+                               .x = (gd__chunk_double *)word,
+                               .y = (gd__chunk_double *)word + count,
+                               .start = start,
+                               .high = start + count,
+                               .middle = middle,
+                               .low = middle + count,
+                               .count = chunk->count,
+                               .form = chunk->form,
+                               .exponent = (int)chunk->exponent - GD__WEDGE_BIAS,
+                               .is_far = chunk->is_far};
 }
 
-/* Returns the wedges from `first` on. */
-static inline struct gd__wedges gd__wedges_from(const struct gd__wedges *w, uint32_t first)
+/* Returns x of wedge `i`, in the frame of side 0. */
+static inline double gd__wedge_x(const struct gd__wedges *wedges, uint32_t i)
 {
-    return (struct gd__wedges){.start = w->start + first,
-                               .high = (char *)w->high + ((size_t)first << w->form),
-                               .x = w->x + first,
-                               .y = w->y + first,
-                               .count = w->count - first,
-                               .form = w->form};
+    if (wedges->form == GD__WEDGE_WIDE) return wedges->x[i];
+    struct gd__wedge_zero zero = gd__wedge_zero(wedges->exponent);
+    return gd__wedge_double(zero.x_bits | wedges->word[i] >> GD__WEDGE_X_SHIFT) - zero.x;
 }
 
-static inline uint64_t gd__wedge_bits(const double *packed)
+/* Returns y >= 0 of wedge `i`. */
+static inline double gd__wedge_y(const struct gd__wedges *wedges, uint32_t i)
 {
-    uint64_t bits;
-    memcpy(&bits, packed, sizeof bits);
-    return bits;
-}
-
-static inline double gd__wedge_unpack(const struct gd__wedges *wedges, const double *packed)
-{
-    if (wedges->form == GD__WEDGE_WIDE) return *packed;
-    uint64_t bits = gd__wedge_bits(packed) & GD__WEDGE_MASK;
-    double scaled;
-    memcpy(&scaled, &bits, sizeof scaled);
-    return scaled * GD__WEDGE_UNSCALE;
+    if (wedges->form == GD__WEDGE_WIDE) return wedges->y[i];
+    struct gd__wedge_zero zero = gd__wedge_zero(wedges->exponent);
+    return gd__wedge_double(zero.y_bits | (uint64_t)wedges->high[i] << GD__WEDGE_HIGH_SHIFT |
+                            (uint64_t)wedges->middle[i] << GD__WEDGE_Y_SHIFT |
+                            (wedges->word[i] & 3)) -
+           zero.y;
 }
 
 /* Returns the pseudo-source of wedge `i`; GD_NONE for a gap. */
 static inline uint32_t gd__wedge_source(const struct gd__wedges *wedges, uint32_t i)
 {
-    if (wedges->form == GD__WEDGE_WIDE) return ((const uint32_t *)wedges->high)[i];
-    bool is_short = wedges->form == GD__WEDGE_16;
-    uint32_t all = is_short ? UINT16_MAX : (UINT32_C(1) << 24) - 1,
-             high = is_short ? ((const uint8_t *)wedges->high)[i]
-                             : ((const uint16_t *)wedges->high)[i],
-             low = (gd__wedge_bits(&wedges->x[i]) >> GD__WEDGE_SHIFT & GD__WEDGE_NIBBLE) |
-                   (gd__wedge_bits(&wedges->y[i]) >> GD__WEDGE_SHIFT & GD__WEDGE_NIBBLE) << 4,
-             source = high << 8 | low;
+    if (wedges->form == GD__WEDGE_WIDE) return wedges->high[i];
+    bool is_short = wedges->form == GD__WEDGE_20;
+    uint32_t all = is_short ? (1u << 20) - 1 : (1u << 28) - 1,
+             above =
+                 is_short ? ((const uint8_t *)wedges->low)[i] : ((const uint16_t *)wedges->low)[i],
+             source = above << GD__WEDGE_LOW_SHIFT |
+                      ((uint32_t)(wedges->word[i] >> GD__WEDGE_Y_SHIFT) & GD__WEDGE_LOW_MASK);
     return source == all ? GD_NONE : source;
 }
 
-/* Writes wedge `i`. x and y must be below GD__WEDGE_LIMIT unless the form is wide. */
+/* Writes wedge `i`, y >= 0. Unless the form is wide, |x| and y must be below 2^exponent. */
 void gd__wedge_put(const struct gd__wedges *wedges, uint32_t i, uint32_t start, double x, double y,
                    uint32_t source);
 
@@ -169,13 +244,14 @@ static inline uint32_t gd__wedges_bound(uint32_t count)
  * that kernels may write behind it. */
 static inline size_t gd__chunk_bound(uint32_t count)
 {
-    return sizeof(struct gd__chunk) + gd__wedges_bytes(gd__wedges_bound(count), GD__WEDGE_WIDE) +
+    return 2 * GD__CHUNK_UNIT + 24 * (size_t)gd__wedges_bound(count) +
            GD__WINDOWS_GROUP * sizeof(double);
 }
 
-/* Writes sorted windows of a side to a chunk, as wedges with gaps between them. Uses the chunk's
- * form, or WIDE if a window needs it. Sets the count and the side. `mirrored` is true if the
- * windows belong to side 1. This is the general form of gd__kernel.store. */
+/* Writes sorted windows of a side to a chunk, as wedges with gaps between them. The chunk's form
+ * must be set. Changes it to WIDE if a window needs it. Sets the count, the exponent and the side.
+ * The caller then sets the previous chunk. `mirrored` is true if the windows belong to side 1. This
+ * is the general form of gd__kernel.store. */
 void gd__chunk_write(const struct gd__windows *windows, uint32_t count, double length,
                      bool mirrored, struct gd__chunk *out);
 

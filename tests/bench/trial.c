@@ -38,7 +38,7 @@ static void count_wedges(const struct gd_field *field, struct trial *trial)
         free(wedges);
         trial->kept_merged += count;
         for (uint32_t at = field->newest[edge]; at != GD_NONE;
-             at = gd__field_chunk(field, at)->previous) {
+             at = gd__chunk_previous(gd__field_chunk(field, at))) {
             const struct gd__chunk *chunk = gd__field_chunk(field, at);
             struct gd__wedges stored = gd__chunk_wedges(chunk);
             for (uint32_t i = 0; i < chunk->count; i++)

@@ -131,7 +131,7 @@ static double plain_distance(const struct gd_field *field, const struct gd_point
             (double[3]){point->weight[k], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]});
         least = fmin(least, field->distance[mesh->origin[side]] + hypot(at.x, at.y));
         for (uint32_t next = field->newest[side >> 1]; next != GD_NONE;
-             next = gd__field_chunk(field, next)->previous) {
+             next = gd__chunk_previous(gd__field_chunk(field, next))) {
             const struct gd__chunk *chunk = gd__field_chunk(field, next);
             for (uint32_t i = 0; i < chunk->count; i++) {
                 struct gd__wedges wedges = gd__chunk_wedges(chunk);
@@ -213,15 +213,16 @@ static uint32_t append_part(char *wedges, uint32_t at, uint32_t previous,
     struct gd__wedges from = gd__chunk_wedges(chunk);
     bool before = from.start[i] > 0, behind = i + 1 < chunk->count;
     struct gd__chunk *part = (struct gd__chunk *)(wedges + (size_t)at * GD__CHUNK_UNIT);
-    part->previous = previous;
-    part->count = 1u + before + behind;
-    part->form = at % 3;
-    part->is_far = chunk->is_far;
+    *part = (struct gd__chunk){.count = 1u + before + behind,
+                               .exponent = chunk->exponent,
+                               .is_far = chunk->is_far,
+                               .form = chunk->form == GD__WEDGE_WIDE ? GD__WEDGE_WIDE : at % 3};
     struct gd__wedges to = gd__chunk_wedges(part);
     for (uint32_t k = 0; k < part->count; k++)
         gd__wedge_put(&to, k, k ? from.start[i + 1 < chunk->count ? i + 1 : i] : 0, 0, 0, GD_NONE);
-    gd__wedge_put(&to, before, from.start[i], gd__wedge_unpack(&from, &from.x[i]),
-                  gd__wedge_unpack(&from, &from.y[i]), gd__wedge_source(&from, i));
+    gd__wedge_put(&to, before, from.start[i], gd__wedge_x(&from, i), gd__wedge_y(&from, i),
+                  gd__wedge_source(&from, i));
+    gd__chunk_set_previous(part, previous);
     return at + (uint32_t)(gd__chunk_bytes(part) / GD__CHUNK_UNIT);
 }
 
@@ -238,12 +239,12 @@ static void long_chains_give_the_same(void **state)
     struct gd_field *field =
         field_of(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1});
     uint32_t at = 0, longest = 0, *newest = malloc(sizeof *newest * mesh->edge_count);
-    char *wedges = malloc(6 * field->wedge_bytes);
+    char *wedges = malloc(6 * field->wedge_bytes + GD__CHUNK_SLACK);
     for (uint32_t e = 0; e < mesh->edge_count; e++) {
         uint32_t length = 0;
         newest[e] = GD_NONE;
         for (uint32_t next = field->newest[e]; next != GD_NONE;
-             next = gd__field_chunk(field, next)->previous) {
+             next = gd__chunk_previous(gd__field_chunk(field, next))) {
             const struct gd__chunk *chunk = gd__field_chunk(field, next);
             for (uint32_t i = 0; i < chunk->count; i++) {
                 struct gd__wedges from = gd__chunk_wedges(chunk);

@@ -68,8 +68,9 @@ static void store_chunk(uint32_t side, const struct gd__stack *list)
     build_windows(list, &builder);
     check_ok(gd__region_reserve(&work->wedges, gd__chunk_bound(list->count)), NULL);
     struct gd__chunk *chunk = (struct gd__chunk *)(work->wedges.base + work->wedges.used);
-    *chunk = (struct gd__chunk){.previous = newest[0]};
+    *chunk = (struct gd__chunk){.form = GD__WEDGE_20};
     gd__chunk_write(&builder.at, list->count, length, side & 1, chunk);
+    gd__chunk_set_previous(chunk, newest[0]);
     newest[0] = (uint32_t)(work->wedges.used / GD__CHUNK_UNIT);
     work->wedges.used += gd__chunk_bytes(chunk);
     gd__window_builder_destroy(&builder);
