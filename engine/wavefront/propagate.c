@@ -39,7 +39,7 @@ static enum gd_status store_chunk(struct gd__wavefront *front, uint32_t side,
         (struct gd__chunk *)(front->work->wedges.base + front->work->wedges.used);
     double length = front->mesh->side[side].length;
     uint32_t *newest = gd__wavefront_newest(front, side >> 1);
-    chunk->form = front->wedge_form;
+    *chunk = (struct gd__chunk){.form = front->wedge_form};
     if (!front->kernel->store(windows, count, length, side & 1, chunk))
         gd__chunk_write(windows, count, length, side & 1, chunk);
     gd__chunk_set_previous(chunk, *newest);
