@@ -14,9 +14,10 @@ static bool has_gaps(const struct gd__windows *w, uint32_t count, double length)
     return false;
 }
 
-/* Returns the header of a chunk with its form and exponent. */
-static inline struct gd__chunk fitted_chunk(const struct gd__windows *w, uint32_t count,
-                                            double length, uint32_t form)
+/* Returns the exponent of a chunk. Changes its form to WIDE if packing would change a distance by
+ * more than 1e-14 of it (gd__wedges_fit). */
+static inline uint32_t fitted_exponent(const struct gd__windows *w, uint32_t count, double length,
+                                       enum gd__wedge_form *form)
 {
     lanes farthest = all(0), nearest = all(INFINITY), whole = all(length);
     for (uint32_t i = 0; i < count; i += LANES) {
@@ -28,10 +29,10 @@ static inline struct gd__chunk fitted_chunk(const struct gd__windows *w, uint32_
     }
     double most = most_of(farthest);
     int exponent = gd__wedge_exponent(most, length);
-    bool is_wide = form == GD__WEDGE_WIDE || exponent < 0 || exponent >= 2 * GD__WEDGE_BIAS ||
-                   any(le(nearest * all(GD__WEDGE_DETOUR), all(most + length)));
-    return (struct gd__chunk){.exponent = is_wide ? 0 : (uint32_t)exponent & 127,
-                              .form = is_wide ? GD__WEDGE_WIDE : form};
+    if (exponent < 0 || exponent >= 2 * GD__WEDGE_BIAS ||
+        any(le(nearest * all(GD__WEDGE_DETOUR), all(most + length))))
+        *form = GD__WEDGE_WIDE;
+    return *form == GD__WEDGE_WIDE ? 0 : (uint32_t)exponent;
 }
 
 struct storing {
@@ -108,15 +109,15 @@ static bool store_wedges(const struct gd__windows *w, uint32_t count, double len
     bool before = w->b0[0] > GD_TOL_ADJACENT * length,
          behind = w->b1[count - 1] + GD_TOL_ADJACENT * length < length;
     bool first = mirrored ? behind : before, last = mirrored ? before : behind;
-    struct gd__chunk header = fitted_chunk(w, count, length, out->form);
-    header.is_far = mirrored;
-    header.count = count + first + last;
-    *out = header;
-    struct storing s = {.to = gd__chunk_wedges(out),
+    /* The header is written last, from values in registers, because a read after narrower writes
+       waits until these are in the cache. */
+    enum gd__wedge_form form = out->form;
+    uint32_t exponent = fitted_exponent(w, count, length, &form), stored = count + first + last;
+    struct storing s = {.to = gd__wedges_of(out->data, stored, form, exponent, mirrored),
                         .first = first,
                         .units = GD__WEDGE_UNITS / length,
-                        .zero = gd__wedge_zero((int)header.exponent - GD__WEDGE_BIAS),
-                        .least = gd__wedge_least((int)header.exponent - GD__WEDGE_BIAS)};
+                        .zero = gd__wedge_zero((int)exponent - GD__WEDGE_BIAS),
+                        .least = gd__wedge_least((int)exponent - GD__WEDGE_BIAS)};
     if (mirrored)
         store_mirrored(w, count, length, &s);
     else
@@ -125,6 +126,8 @@ static bool store_wedges(const struct gd__windows *w, uint32_t count, double len
     if (first) store_gap(&s.to, 0, 0, s.units);
     if (last)
         store_gap(&s.to, count + first, mirrored ? length - w->b0[0] : w->b1[count - 1], s.units);
+    *out = (struct gd__chunk){
+        .count = stored, .exponent = exponent & 127, .is_far = mirrored, .form = form};
     gd__chunk_pad(out);
     return true;
 }

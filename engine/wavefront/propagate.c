@@ -42,11 +42,11 @@ static enum gd_status store_chunk(struct gd__wavefront *front, uint32_t side,
     *chunk = (struct gd__chunk){.form = front->wedge_form};
     if (!front->kernel->store(windows, count, length, side & 1, chunk))
         gd__chunk_write(windows, count, length, side & 1, chunk);
-    gd__chunk_set_previous(chunk, *newest);
+    front->wedge_count += chunk->count;
+    size_t bytes = gd__chunk_link(chunk, *newest);
     if (front->paged) gd__paged_side(front->paged, side)->page.stays = true;
     *newest = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
-    front->work->wedges.used += gd__chunk_bytes(chunk);
-    front->wedge_count += chunk->count;
+    front->work->wedges.used += bytes;
     prefetch_ahead(front->work->wedges.base + front->work->wedges.used);
     return GD_OK;
 }

@@ -154,17 +154,19 @@ static inline uint32_t gd__chunk_previous(const struct gd__chunk *chunk)
     return previous;
 }
 
-/* Sets the previous chunk of a chunk that has been written. */
-static inline void gd__chunk_set_previous(struct gd__chunk *chunk, uint32_t previous)
-{
-    chunk->has_previous = previous != GD_NONE;
-    if (chunk->has_previous)
-        memcpy((char *)chunk + gd__chunk_end(chunk), &previous, sizeof previous);
-}
-
 static inline size_t gd__chunk_bytes(const struct gd__chunk *chunk)
 {
     return (gd__chunk_end(chunk) + 4 * (size_t)chunk->has_previous + 7) & ~(size_t)7;
+}
+
+/* Sets the previous chunk of a chunk that has been written. Returns the chunk's size in bytes. */
+static inline size_t gd__chunk_link(struct gd__chunk *chunk, uint32_t previous)
+{
+    size_t end = gd__chunk_end(chunk);
+    bool has_previous = previous != GD_NONE;
+    if (has_previous) memcpy((char *)chunk + end, &previous, sizeof previous);
+    chunk->has_previous = has_previous;
+    return (end + 4 * (size_t)has_previous + 7) & ~(size_t)7;
 }
 
 /* Clears the padding behind the arrays, or more. */
@@ -173,12 +175,14 @@ static inline void gd__chunk_pad(struct gd__chunk *chunk)
     memset((char *)chunk + gd__chunk_end(chunk), 0, 12);
 }
 
-static inline struct gd__wedges gd__chunk_wedges(const struct gd__chunk *chunk)
+/* Returns the arrays of a chunk with this header. `data` is the chunk's member. */
+static inline struct gd__wedges gd__wedges_of(const uint32_t *data, uint32_t count,
+                                              enum gd__wedge_form form, uint32_t exponent,
+                                              bool is_far)
 {
-    size_t count = chunk->count;
-    gd__chunk_word *word = (gd__chunk_word *)chunk->data;
-    uint32_t *start = (uint32_t *)(word + (count << (chunk->form == GD__WEDGE_WIDE)));
-    uint16_t *middle = (uint16_t *)(start + 2 * count);
+    gd__chunk_word *word = (gd__chunk_word *)data;
+    uint32_t *start = (uint32_t *)(word + ((size_t)count << (form == GD__WEDGE_WIDE)));
+    uint16_t *middle = (uint16_t *)(start + 2 * (size_t)count);
     return (struct gd__wedges){.word = word,
                                .x = (gd__chunk_double *)word,
                                .y = (gd__chunk_double *)word + count,
@@ -186,10 +190,15 @@ static inline struct gd__wedges gd__chunk_wedges(const struct gd__chunk *chunk)
                                .high = start + count,
                                .middle = middle,
                                .low = middle + count,
-                               .count = chunk->count,
-                               .form = chunk->form,
-                               .exponent = (int)chunk->exponent - GD__WEDGE_BIAS,
-                               .is_far = chunk->is_far};
+                               .count = count,
+                               .form = form,
+                               .exponent = (int)exponent - GD__WEDGE_BIAS,
+                               .is_far = is_far};
+}
+
+static inline struct gd__wedges gd__chunk_wedges(const struct gd__chunk *chunk)
+{
+    return gd__wedges_of(chunk->data, chunk->count, chunk->form, chunk->exponent, chunk->is_far);
 }
 
 /* Returns x of wedge `i`, in the frame of side 0. */

@@ -222,8 +222,7 @@ static uint32_t append_part(char *wedges, uint32_t at, uint32_t previous,
         gd__wedge_put(&to, k, k ? from.start[i + 1 < chunk->count ? i + 1 : i] : 0, 0, 0, GD_NONE);
     gd__wedge_put(&to, before, from.start[i], gd__wedge_x(&from, i), gd__wedge_y(&from, i),
                   gd__wedge_source(&from, i));
-    gd__chunk_set_previous(part, previous);
-    return at + (uint32_t)(gd__chunk_bytes(part) / GD__CHUNK_UNIT);
+    return at + (uint32_t)(gd__chunk_link(part, previous) / GD__CHUNK_UNIT);
 }
 
 /* Every wedge gets a chunk of its own, so the chains are long. Distances must stay the same bit for

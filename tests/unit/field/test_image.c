@@ -196,13 +196,13 @@ static void refuses_impossible_chains(void **state)
     uint32_t chunks, edge = longest_chain(&chunks), newest = image_newest()[edge],
                      units = (uint32_t)(field->wedge_bytes / GD__CHUNK_UNIT);
     assert_true(chunks >= 2);
-    gd__chunk_set_previous(image_chunk(newest), newest); /* makes a cycle of one chunk */
+    gd__chunk_link(image_chunk(newest), newest); /* makes a cycle of one chunk */
     assert_int_equal(try_damaged(&rng), GD_INDEX);
     static const uint32_t beyond[] = {0, 1, 100, 1u << 30};
     for (int i = 0; i < 4; i++) { /* makes chunks that begin beyond the wedges */
         image_newest()[edge] = units + beyond[i];
         assert_int_equal(try_damaged(&rng), GD_INDEX);
-        gd__chunk_set_previous(image_chunk(newest), units + beyond[i]);
+        gd__chunk_link(image_chunk(newest), units + beyond[i]);
         assert_int_equal(try_damaged(&rng), GD_INDEX);
     }
     image_newest()[edge] = units - 1; /* half of a chunk's header is beyond the array */

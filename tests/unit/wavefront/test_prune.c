@@ -70,9 +70,9 @@ static void store_chunk(uint32_t side, const struct gd__stack *list)
     struct gd__chunk *chunk = (struct gd__chunk *)(work->wedges.base + work->wedges.used);
     *chunk = (struct gd__chunk){.form = GD__WEDGE_20};
     gd__chunk_write(&builder.at, list->count, length, side & 1, chunk);
-    gd__chunk_set_previous(chunk, newest[0]);
+    size_t bytes = gd__chunk_link(chunk, newest[0]);
     newest[0] = (uint32_t)(work->wedges.used / GD__CHUNK_UNIT);
-    work->wedges.used += gd__chunk_bytes(chunk);
+    work->wedges.used += bytes;
     gd__window_builder_destroy(&builder);
 }
 

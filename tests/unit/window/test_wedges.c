@@ -35,7 +35,7 @@ static void write_as(const struct gd__stack *list, double length, bool mirrored,
     build_windows(list, &builder);
     out->chunk = (struct gd__chunk){.form = form};
     gd__chunk_write(&builder.at, list->count, length, mirrored, &out->chunk);
-    gd__chunk_set_previous(&out->chunk, list->count % 2 ? 17 : GD_NONE);
+    gd__chunk_link(&out->chunk, list->count % 2 ? 17 : GD_NONE);
     out->count = out->chunk.count;
     assert_int_equal(gd__chunk_previous(&out->chunk), list->count % 2 ? 17 : GD_NONE);
     assert_true(out->count <= gd__wedges_bound(list->count));
