@@ -79,6 +79,7 @@ void gd__gltf_positions(struct gd__gltf_writing *writing, size_t begin,
         }
         gd__gltf_widen(&box, rounded);
     }
+    if (!writing->fits) return; /* the file is rejected, and JSON has no infinite numbers */
     gd__gltf_accessor(writing, writing->views, offset, GD__GLTF_FLOAT, written,
                       ",\"type\":\"VEC3\"");
     gd__gltf_triple(&writing->accessor_list, ",\"min\":", box.min);

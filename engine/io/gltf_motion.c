@@ -188,6 +188,7 @@ void gd__gltf_motion(struct gd__gltf_writing *writing)
     float length = (float)(AXIS_PART * reach_of(writing->result));
     if (!(reach_of(writing->result) > 0)) return;
     writing->fits &= isfinite(length);
+    if (!writing->fits) return;
     describe_object(writing, writing->accessors);
     add_axes(writing, length);
     uint32_t keys = add_times(writing);
