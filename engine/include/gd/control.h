@@ -25,8 +25,9 @@ struct gd_control {
     bool (*progress)(void *user, double fraction);
     void *user;
     struct gd_workspace *workspace; /* memory reused between calls, gd/workspace.h; may be NULL */
-    /* Threads for gd_read_polygons and gd_mesh_build, whose results do not depend on them. NULL
-       means only the calling thread. Other functions use the calling thread. */
+    /* Runs the parallel tasks of gd_read_polygons and gd_mesh_build, whose results do not depend on
+       it. If NULL, these two functions use only the calling thread. All other functions ignore
+       it. */
     const struct gd_executor *executor;
 };
 

@@ -43,13 +43,13 @@ struct gd_control_mesh {
 void gd_control_mesh_free(struct gd_control_mesh *mesh);
 
 /* Reads a mesh file as gd_read_polygons does. From an OBJ file it also reads OpenSubdiv's tags: `t
- * crease N/M/0 v0 v1 ... s ...` (a chain of N vertices with one sharpness, or with one for each
- * edge), `t corner N/M/0 v ... s ...`, `t interpolateboundary 1/0/0 i` (0 none, 1 edge and corner,
- * 2 edge only). Tags number vertices from zero, although faces number them from one. Tags of
- * texture coordinates are skipped. `options` and `detail` may be NULL. The caller frees `*out` by
- * gd_control_mesh_free. Thread-safe. Time and memory are those of gd_read_polygons. Errors: those
- * of gd_read_polygons; GD_UNSUPPORTED (another tag, such as a hole), GD_SYNTAX, GD_INDEX. Whether a
- * crease is an edge and has a valid sharpness is checked later, by gd_subdivision_create. */
+ * crease N/M/0 v0 v1 ... s ...` (a chain of N vertices, with one sharpness for all edges or one for
+ * each edge), `t corner N/M/0 v ... s ...`, `t interpolateboundary 1/0/0 i` (0 none, 1 edge and
+ * corner, 2 edge only). Tags number vertices from zero, although faces number them from one. Tags
+ * of texture coordinates are skipped. `options` and `detail` may be NULL. The caller frees `*out`
+ * by gd_control_mesh_free. Thread-safe. Time and memory are those of gd_read_polygons. Errors:
+ * those of gd_read_polygons; GD_UNSUPPORTED (another tag, such as a hole), GD_SYNTAX, GD_INDEX.
+ * Later, gd_subdivision_create checks whether a crease is an edge and has a valid sharpness. */
 GD_MUST_USE enum gd_status gd_read_control_mesh(const void *bytes, size_t size,
                                                 const struct gd_read_options *options,
                                                 struct gd_control_mesh *out,

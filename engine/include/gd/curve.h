@@ -21,8 +21,8 @@ GD_EXTERN_C_BEGIN
 struct gd_curve {
     struct gd_point *points; /* owned; consecutive points differ */
     uint32_t count;          /* at least 1 */
-    /* true if the last point is joined to the first; the first point is not repeated, and both lie
-       in one face */
+    /* true if the last point is joined to the first; the first point is not repeated, and the two
+       points lie in one face */
     bool closed;
 };
 

@@ -35,15 +35,15 @@ struct gd_cut_piece {
     uint32_t *vertex_map;
     /* For each triangle, the parent's face that contains it, in ascending order. If select_only is
        set, the faces of the region. Each face of the parent then belongs to one region. A face that
-       the curve crosses belongs to the region that has the largest part of its area, in a tie to
-       the first of these regions. */
+       the curve crosses belongs to the region that has the largest part of the face's area. In a
+       tie, it belongs to the first of these regions. */
     uint32_t *face_map;
     uint32_t face_count;
-    double area; /* exact area on this side of the curve, even if select_only is set */
+    double area; /* exact area of the piece up to the curve, even if select_only is set */
 };
 
 struct gd_cut {
-    /* true if the cut mesh has more components; false if the cut only opens the mesh */
+    /* true if the cut increases the number of components; false if it only opens the mesh */
     bool separates;
     uint32_t piece_count;
     /* One piece for each component of the cut mesh, even for a component that the curve does not
@@ -58,12 +58,12 @@ void gd_cut_free(struct gd_cut *cut); /* Frees the pieces and zeroes the struct.
 /* Cuts `mesh` along a curve.
  *
  * If the curve passes a vertex, an edge or another part of itself at a distance below a millionth
- * of the face's longest edge, the curve is moved there. In faces that are nearly degenerate, the
- * distance may be up to a hundredth. So no new face is too flat for computations. A part of the
- * curve does not cut the mesh if it runs along the boundary, or if it runs back along itself
- * without enclosing an area. If the curve crosses itself, each of its loops is cut out: a figure of
- * eight gives three pieces. Crossings and the triangulation of crossed faces are computed in exact
- * integer arithmetic.
+ * of the face's longest edge, the curve is moved onto it. In faces that are nearly degenerate, the
+ * distance may be up to a hundredth of this edge. So no new face is too flat for computations. A
+ * part of the curve does not cut the mesh if it runs along the boundary, or if it runs back along
+ * itself without enclosing an area. If the curve crosses itself, each of its loops is cut out: a
+ * figure of eight gives three pieces. Crossings and the triangulation of crossed faces are computed
+ * in exact integer arithmetic.
  *
  * The caller frees `*out` by gd_cut_free. Errors: GD_INVALID_ARGUMENT (an open curve whose ends are
  * not both on the boundary, consecutive points without a common face, a curve that does not cut the

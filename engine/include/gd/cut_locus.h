@@ -13,9 +13,10 @@
  *
  * The cut locus is a graph of *ridges* of the distance. In a face, a ridge is a piece of a line, a
  * hyperbola or a parabola, as in a Voronoi diagram. A ridge ends where it meets two other ridges,
- * on the boundary, at a joint of a curve, or at a vertex with a total angle below 2 pi. At each
- * such vertex there is a ridge. Behind a vertex where paths bend, all paths arrive from this
- * vertex, so there is no ridge, even if the vertex itself has several shortest paths.
+ * on the boundary, at a joint of a curve (a point where two segments of its polyline meet), or at a
+ * vertex with a total angle below 2 pi. Each such vertex is the end of a ridge. Behind a vertex
+ * where paths bend, all paths arrive from this vertex, so there is no ridge, even if the vertex
+ * itself has several shortest paths.
  *
  * The angle of a ridge at a point is the angle between the two directions of arrival. A ridge that
  * begins at a joint of a curve has the angle by which the curve turns there. A ridge that begins at
@@ -36,7 +37,7 @@ struct gd_cut_locus_options {
     double tolerance;
     /* A branch of the graph (from one end or meeting point to the next) is omitted if its angle is
        below `min_angle` at all of its points. If `min_angle` is below GD_CUT_LOCUS_ANGLE, for
-       example 0, GD_CUT_LOCUS_ANGLE is used instead. At most pi. */
+       example 0, GD_CUT_LOCUS_ANGLE is used instead. `min_angle` is at most pi. */
     double min_angle;
 };
 
@@ -47,7 +48,7 @@ struct gd_cut_locus_options {
  * a member's number), GD_BEYOND_REACH (a partial field), GD_INTERNAL (as in gd_voronoi_labels),
  * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Time: O(k^2) for each face with k sources
  * (wedges of its edges), and O(k) for each two of them that meet. Memory: about 100 to 200 bytes
- * for each ridge in a face; there are at most about as many as wedges. Thread-safe. */
+ * for each ridge in a face; these ridges are at most about as many as the wedges. Thread-safe. */
 GD_MUST_USE enum gd_status gd_cut_locus_trace(const struct gd_field *field,
                                               const uint32_t *member_of_seed,
                                               const struct gd_cut_locus_options *options,

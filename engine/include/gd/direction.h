@@ -46,18 +46,19 @@ GD_MUST_USE enum gd_status gd_direction_at_angle(const struct gd_mesh *mesh,
  * two faces. If both projections lead into their faces, the projection that turns the vector less
  * is used. If neither does, the vector is projected onto the edge. At a vertex the vector is
  * projected along the vertex normal (the mean of the faces' normals weighted by angle) into the
- * face that it meets. If the vector is already tangent, its direction does not change. `detail` may
- * be NULL. Errors: GD_INVALID_ARGUMENT (the vector is not finite, or its projection vanishes),
- * GD_NOT_ON_SURFACE (the direction leads over the boundary). O(1); O(faces) at a vertex. */
+ * face that the projection meets. If the vector is already tangent, its direction does not change.
+ * `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (the vector is not finite, or its projection
+ * vanishes), GD_NOT_ON_SURFACE (the direction leads over the boundary). O(1); O(faces) at a
+ * vertex. */
 GD_MUST_USE enum gd_status gd_direction_along(const struct gd_mesh *mesh,
                                               const struct gd_point *point, struct gd_vec3 vector,
                                               struct gd_direction *out, struct gd_detail *detail);
 
 /* Returns the straight continuation of a line that arrives at the point. `back` is the direction
- * from the point back along the line. The continuation is half a turn (pi) from `back`, which is
- * half of the total angle except at a boundary vertex. If the continuation leads over the boundary,
- * its angle is not an angle on the surface (at a vertex, it is larger than the total angle), and
- * its vector is the negative of the vector of `back`. O(1); O(faces) at a vertex. */
+ * from the point back along the line. The angles of the continuation and of `back` differ by pi.
+ * Except at a boundary vertex, this is half of the total angle. If the continuation leads over the
+ * boundary, its angle is not an angle on the surface (at a vertex, it is larger than the total
+ * angle), and its vector is the negative of the vector of `back`. O(1); O(faces) at a vertex. */
 struct gd_direction gd_direction_opposite(const struct gd_mesh *mesh, const struct gd_point *point,
                                           const struct gd_direction *back);
 

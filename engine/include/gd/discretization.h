@@ -18,8 +18,8 @@ struct gd_discretize_options {
     /* Every edge of the control mesh is divided into 2^level edges. At most 12. At least 1 if a
        Catmull-Clark mesh has polygons other than quads. */
     uint32_t level;
-    /* If > 0, `level` is not used: each face gets the level that is needed so that the distance
-       between triangles and surface is at most this. */
+    /* If > 0, `level` is ignored. Each face then gets the level that it needs: the distance between
+       triangles and surface is at most `tolerance`. */
     double tolerance;
     uint32_t max_faces; /* largest number of triangles; 0 means 2^28 */
 };
@@ -39,13 +39,14 @@ void gd_discretization_free(struct gd_discretization *discretization);
 /* Triangulates the limit surface. The vertices lie exactly on it, at dyadic (u,v). Cells of quads
  * are divided along the shorter diagonal. Cells of Loop triangles are already triangles. If there
  * is a tolerance, each face has its own level, and an edge has the level of its finer face, so that
- * there are no cracks. The distance between triangles and surface is measured at sample points two
- * levels finer, and on the chords of edges. It is not a proven bound. `control` may be NULL.
- * `options` may be NULL, which means level 0. The caller frees `*out` by gd_discretization_free.
- * Errors: GD_INVALID_ARGUMENT (level, tolerance), GD_TOO_LARGE (more than max_faces, or the
- * tolerance needs a level above 12), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost:
- * linear time, about 0.2 us a vertex and 10 us a level for each irregular control face; 120 bytes a
- * vertex. Thread-safe. */
+ * there are no cracks. The distance between triangles and surface is measured at the vertices of
+ * the grid that is two levels finer; for a vertex on a side of a face, it is the distance from the
+ * side's chord. The measured distance is not a proven bound. `control` may be NULL. `options` may
+ * be NULL, which means level 0. The caller frees `*out` by gd_discretization_free. Errors:
+ * GD_INVALID_ARGUMENT (level, tolerance), GD_TOO_LARGE (more than max_faces, or the tolerance needs
+ * a level above 12), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: linear time, about
+ * 0.2 us a vertex and 10 us a level for each irregular control face; 120 bytes a vertex.
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_discretize(const struct gd_subdivision *surface,
                                          const struct gd_discretize_options *options,
                                          const struct gd_control *control,

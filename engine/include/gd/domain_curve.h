@@ -6,7 +6,7 @@
  *
  * All domain curves are stored as B-splines. A polyline has degree 1, and its corners have the
  * parameters 0, 1, 2, …. An iso-parameter line runs through the whole domain, and its parameter is
- * the other coordinate. A curve is closed if its ends are the same point of the surface; in a
+ * the coordinate that varies. A curve is closed if its ends are the same point of the surface; in a
  * closed direction, their coordinates may differ by periods. The parameter of a closed curve is
  * periodic. Curves are immutable: any number of threads may read them. A curve keeps its surface
  * alive. */
@@ -18,7 +18,7 @@
 GD_EXTERN_C_BEGIN
 
 #define GD_DOMAIN_CURVE_COUNT_MAX 65536
-/* in a closed direction, a point may be this number of periods away from the domain */
+/* in a closed direction, a point may be at most this number of periods away from the domain */
 #define GD_DOMAIN_CURVE_PERIODS_MAX 1000000
 
 struct gd_domain_curve;

@@ -48,7 +48,7 @@ GD_MUST_USE enum gd_status gd_edit_deviation(const struct gd_mesh *mesh,
 struct gd_simplify_options {
     /* stops at this number of faces; if 0, stops when `max_distance` allows no further collapse */
     uint32_t faces;
-    double max_distance; /* limit on largest_distance, a length; 0 means no limit */
+    double max_distance; /* limit on largest_distance, in the input's unit; 0 means no limit */
     /* true if boundary edges do not change; false if a quadric penalises changes of the boundary */
     bool keep_boundary;
 };

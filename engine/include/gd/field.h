@@ -164,7 +164,7 @@ GD_MUST_USE enum gd_status gd_field_farthest(const struct gd_field *field,
  * of the pseudo-source to these ends. All numbers are in the caller's unit; the parameters grow
  * along the edge from its lower-numbered vertex. sigma is the distance from the seeds to the
  * pseudo-source. tau is true if the pseudo-source lies to the left of the edge in that direction,
- * that is, on the side of the face that runs along the edge from the lower to the higher vertex. */
+ * that is, on the side of the face that traverses the edge from the lower to the higher vertex. */
 struct gd_wedge {
     double b0, b1, d0, d1, sigma;
     bool tau;

@@ -8,12 +8,12 @@
  *         gd_geodesics_free(&found);
  *     }
  *
- * Source: W.-H. Chen, "Improvement of the shortest path problem with geodesic-like method": the
- * B-spline of least energy among those of a given order. This implementation extends the paper.
- * Paths are divided into pieces at the surface's lines (lines of constant u or v across which the
- * surface is not smooth). Newton's method is covariant. Paths are refined where the geodesic
- * curvature is large. Exact geodesics on a tessellation serve to find the global minimum
- * (engine/doc/018). Lengths are in the surface's unit, angles in radians. */
+ * Source: W.-H. Chen, "Improvement of the shortest path problem with geodesic-like method". The
+ * paper computes the B-spline of least energy among all B-splines of a given order. This
+ * implementation extends the paper. Paths are divided into pieces at the surface's lines (lines of
+ * constant u or v across which the surface is not smooth). Newton's method is covariant. Paths are
+ * refined where the geodesic curvature is large. Exact geodesics on a tessellation serve to find
+ * the global minimum (engine/doc/018). Lengths are in the surface's unit, angles in radians. */
 #ifndef GD_GEODESIC_LIKE_H
 #define GD_GEODESIC_LIKE_H
 
@@ -56,9 +56,9 @@ struct gd_geodesic_options {
 struct gd_geodesic_request {
     const struct gd_domain_curve *from, *to;   /* points or curves of the tessellation's surface */
     const struct gd_geodesic_options *options; /* NULL means all zero */
-    /* `initial` and `turns` select a class of paths. At most one of them may be set, and not
-     * together with all_minima. The result is then a geodesic of this class, not the shortest path
-     * of all classes. */
+    /* `initial` and `turns` select a class of paths. At most one of the two may be set, and neither
+     * of them together with all_minima. The result is then a geodesic of this class, not the
+     * shortest path of all classes. */
     /* a curve from `from` to `to`, which is deformed into the result */
     const struct gd_domain_curve *initial;
     /* winding numbers in u and v (see gd_geodesic.turns): at most GD_GEODESIC_TURNS_MOST in closed
@@ -124,16 +124,16 @@ struct gd_geodesics {
 void gd_geodesics_free(struct gd_geodesics *geodesics); /* NULL is allowed */
 
 /* Computes the shortest path between two points or curves of the tessellation's surface. With
- * `all_minima`, also computes longer local minima, sorted by length. They do not cross `from` or
- * `to` between their ends. Only one path of each family of equally long paths is listed. If no path
- * is a minimum, the result is one path with GD_GEODESIC_NOT_MINIMAL. If `from` and `to` meet, the
- * path has length 0 and no pieces. If `from` and `to` are exchanged, the result changes only by
- * rounding. The function finds the global minimum if the tessellation is fine enough to distinguish
- * the routes around the surface's features. `control` and `detail` may be NULL; the caller frees
- * `*out` by gd_geodesics_free. Errors: GD_INVALID_ARGUMENT (a curve of another surface, options out
- * of range), those of gd_field_build, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE,
- * GD_INTERNAL (no path converged). Cost: milliseconds, for two fields of the tessellation and about
- * 20 Newton steps. Thread-safe. */
+ * `all_minima`, also computes longer local minima, sorted by length. These paths do not cross
+ * `from` or `to` between their ends. Only one path of each family of equally long paths is listed.
+ * If no path is a minimum, the result is one path with GD_GEODESIC_NOT_MINIMAL. If `from` and `to`
+ * meet, the path has length 0 and no pieces. If `from` and `to` are exchanged, the result changes
+ * only by rounding. The function finds the global minimum if the tessellation is fine enough to
+ * distinguish the routes around the surface's features. `control` and `detail` may be NULL; the
+ * caller frees `*out` by gd_geodesics_free. Errors: GD_INVALID_ARGUMENT (a curve of another
+ * surface, options out of range), those of gd_field_build, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE, GD_INTERNAL (no path converged). Cost: milliseconds, for two fields of the
+ * tessellation and about 20 Newton steps. Thread-safe. */
 GD_MUST_USE enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
                                              const struct gd_geodesic_request *request,
                                              const struct gd_control *control,

@@ -98,7 +98,7 @@ struct gd_read_options {
 
 /* Returns an upper bound of the bytes that gd_read_polygons holds for an input, including the
  * result: eight bytes for each byte of the file, or 32 for PLY with triangle strips. For glTF and
- * 3MF, the bound depends on the transformed meshes, whose sizes options->max_vertices and
+ * 3MF, the bound depends on the sizes of the transformed meshes, which options->max_vertices and
  * options->max_faces limit. To compute it, the function parses the JSON document of a glTF, or a
  * whole 3MF. It does not report errors in them; gd_read_polygons does. Thread-safe. */
 size_t gd_read_cost(const void *bytes, size_t size, const struct gd_read_options *options);
@@ -106,8 +106,8 @@ size_t gd_read_cost(const void *bytes, size_t size, const struct gd_read_options
 /* Reads a mesh file. `bytes` are borrowed for the call. `options` and `detail` may be NULL. The
  * caller frees `*out` by gd_polygons_free. Errors: GD_UNRECOGNIZED, GD_TRUNCATED, GD_SYNTAX,
  * GD_UNSUPPORTED, GD_INDEX, GD_NON_FINITE, GD_EMPTY (no faces, or no bytes), GD_TOO_LARGE,
- * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. The detail names the line of the error, or in binary
- * files and in JSON the byte. For an error in the numbers of a glTF, it names the byte of their
+ * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. The detail names the line of the error; in binary files
+ * and in JSON, it names the byte. For an error in the numbers of a glTF, it names the byte of their
  * accessor. The result may contain faces that repeat a vertex, which gd_mesh_build rejects. Time:
  * linear in `size`. For STL it is expected linear, because a hash table welds equal corners.
  * Thread-safe. */
@@ -117,13 +117,13 @@ GD_MUST_USE enum gd_status gd_read_polygons(const void *bytes, size_t size,
 
 /* Writes polygons with finite coordinates as OBJ, OFF or JSON text (shortest decimals that read
  * back the same doubles), PLY (binary little-endian, doubles), STL (binary, floats), GLB or glTF
- * (floats relative to an origin stored in doubles as the node's translation, so that a mesh far
- * from the origin loses no precision; coordinates that are floats stay exact). `*out` is allocated
- * by malloc and owned by the caller. All formats except STL, GLB and glTF read back as the same
- * polygons, with positions equal to the last bit. Errors: GD_NOT_TRIANGLES (STL, GLB, glTF: a
- * polygon of more than three corners), GD_NON_FINITE (STL, GLB, glTF: a coordinate beyond the range
- * of floats), GD_TOO_LARGE (GLB: more than 4 GiB), GD_INVALID_ARGUMENT (GD_FORMAT_ANY),
- * GD_NO_MEMORY. Time: linear in the output. Thread-safe. */
+ * (floats). GLB and glTF store positions relative to an origin, which is the node's translation, in
+ * doubles. So a mesh far from (0, 0, 0) loses no precision, and coordinates that are floats stay
+ * exact. `*out` is allocated by malloc and owned by the caller. All formats except STL, GLB and
+ * glTF read back as the same polygons, with positions equal to the last bit. Errors:
+ * GD_NOT_TRIANGLES (STL, GLB, glTF: a polygon of more than three corners), GD_NON_FINITE (STL, GLB,
+ * glTF: a coordinate beyond the range of floats), GD_TOO_LARGE (GLB: more than 4 GiB),
+ * GD_INVALID_ARGUMENT (GD_FORMAT_ANY), GD_NO_MEMORY. Time: linear in the output. Thread-safe. */
 GD_MUST_USE enum gd_status gd_write_polygons(const struct gd_polygons *polygons,
                                              enum gd_format format, char **out, size_t *size);
 

@@ -1,4 +1,5 @@
-/* Isoline: the points of a surface at one distance from the seeds of a field, as exact curves.
+/* Isoline: the points of a surface at one distance (the level) from the seeds of a field, as exact
+ * curves.
  *
  *     struct gd_isoline isoline;
  *     if (gd_isoline_trace(field, 0.25, NULL, &isoline) == GD_OK) {
@@ -13,8 +14,8 @@
  * their sources. A line is closed, or open with both ends on the boundary. Seen from outside,
  * points nearer to the seeds lie to the left of a line. Lines are exact curves, not samples: at an
  * arc's end, the relative difference between the distance and the level is at most 1e-9 (1e-14 is
- * usual). Lines that are no longer than the rounding error, for example at a local maximum or at
- * level zero, are omitted. Midway between two parallel segments, the distance is constant along a
+ * usual). A line is omitted if its length is within the rounding error, for example at a local
+ * maximum or at level zero. Midway between two parallel segments, the distance is constant along a
  * ridge. At this level, a line runs along the ridge in both directions. */
 #ifndef GD_ISOLINE_H
 #define GD_ISOLINE_H

@@ -47,8 +47,8 @@ struct gd_limit_mesh_options {
 /* Builds the mesh of a level. The caller frees `*out` by gd_limit_mesh_free; `*out` keeps the
  * surface alive. `control` and `detail` may be NULL. Errors: those of gd_discretize
  * (GD_INVALID_ARGUMENT, GD_TOO_LARGE) and of gd_mesh_build (mostly GD_DEGENERATE_FACE, where the
- * surface is as thin as a line). Cost: linear time, about 0.5 us a vertex; memory as
- * gd_limit_mesh_cost, half of which the mesh keeps. Thread-safe. */
+ * surface is as thin as a line). Cost: linear time, about 0.5 us a vertex; memory: see
+ * gd_limit_mesh_cost; the mesh keeps half of it. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surface,
                                                const struct gd_limit_mesh_options *options,
                                                const struct gd_control *control,

@@ -66,7 +66,7 @@ struct gd_mesh_options {
  * vertex moves by more than the tolerance, and a chain of close vertices does not collapse into
  * one. The index of a merged vertex then refers to the vertex into which it was merged. Faces that
  * become degenerate or equal are removed, see struct gd_mesh_repair. If the weld makes an edge or a
- * vertex non-manifold, the build fails, or with repair_split cuts the edge or the vertex.
+ * vertex non-manifold, the build fails; with repair_split, the edge or vertex is cut instead.
  *
  * Repair: see struct gd_mesh_repair. A non-orientable component is rejected even with repair.
  *
@@ -127,12 +127,12 @@ const struct gd_mesh_summary *gd_mesh_summary(const struct gd_mesh *mesh);
 /* A report of the changes that weld and repair made. Vertex indices are those of the input; faces
  * are numbered as in struct gd_face.
  *
- * If a vertex is cut, the part with the lowest-numbered face keeps its index. The other parts get
- * copies of the vertex. They are appended after the input's vertices, in the order of their faces,
- * from the index index_count - copies on. The index of a merged vertex refers to the vertex into
- * which it was merged. Faces keep their indices. The index of a removed face stays unused:
- * gd_point_in_face returns GD_OUT_OF_RANGE for it. The two faces of a flipped edge keep their
- * indices but have new corners (gd_mesh_corners).
+ * If a vertex is cut, the part with the lowest-numbered face keeps the index of the vertex. The
+ * other parts get copies of the vertex. The copies are appended after the input's vertices, in the
+ * order of their faces, from the index index_count - copies on. The index of a merged vertex refers
+ * to the vertex into which it was merged. Faces keep their indices. The index of a removed face
+ * stays unused: gd_point_in_face returns GD_OUT_OF_RANGE for it. The two faces of a flipped edge
+ * keep their indices but have new corners (gd_mesh_corners).
  *
  * No point of the surface moves by more than `largest_shift`. No path crosses an edge that was cut.
  * engine/doc/003 explains which faces stay joined. */

@@ -14,17 +14,17 @@
  * Without lines, there is a row `vertex,x,y,z,distance` for each vertex; its last cell is empty if
  * there is no distance. Rows end with CR LF (RFC 4180).
  *
- * GLB: mesh and lines in one scene, in floats relative to an origin stored in doubles as the node's
- * translation (gd/io.h). Distances are stored twice: as COLOR_0, coloured by gd/colour_map.h as
- * fractions of the largest distance (grey: none), and as _DISTANCE, in floats (-1 if there is
- * none). A line is a LINE_STRIP; the extras of its primitive contain its level: {"level": 0.5}.
- * With poses, the node `object` moves along the line in GD_RESULT_SECONDS at constant speed: its
- * animation has a translation and a rotation (a unit quaternion) for each pose, interpolated
- * linearly. As in any glTF model, the front of the object is its +Z axis and its top is +Y: these
- * axes become tangent and normal, and +X becomes normal x tangent, to the left. The object itself
- * consists of three lines: tangent red, normal blue, +X green. A layer is a node with the layer's
- * name, below the first node. Its mesh has one primitive, LINES or POINTS, and its `label` and
- * `labels` as extras. Layers without a segment or a mark are left out. */
+ * GLB: mesh and lines in one scene. Positions are floats relative to an origin, as in gd/io.h.
+ * Distances are stored twice. COLOR_0 is the colour that gd/colour_map.h gives to the distance as a
+ * fraction of the largest one, or grey if there is no distance. _DISTANCE is the distance as a
+ * float, or -1 if there is none. A line is a LINE_STRIP; the extras of its primitive contain its
+ * level: {"level": 0.5}. With poses, the node `object` moves along the line in GD_RESULT_SECONDS at
+ * constant speed: its animation has a translation and a rotation (a unit quaternion) for each pose,
+ * interpolated linearly. As in any glTF model, the front of the object is its +Z axis and its top
+ * is +Y: these axes become tangent and normal, and +X becomes normal x tangent, to the left. The
+ * object itself consists of three lines: tangent red, normal blue, +X green. A layer is a node with
+ * the layer's name, below the first node. Its mesh has one primitive, LINES or POINTS, and its
+ * `label` and `labels` as extras. Layers without a segment or a mark are left out. */
 #ifndef GD_RESULT_FILE_H
 #define GD_RESULT_FILE_H
 

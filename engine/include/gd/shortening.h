@@ -30,8 +30,9 @@ struct gd_shortening_request {
 
 struct gd_shortening {
     struct gd_curve curve; /* owned */
-    /* largest angle by which the curve differs from a geodesic at a joint of pieces, in radians; 0
-       for a bend at a vertex that has at least pi on both sides of the curve */
+    /* largest angle by which the curve differs from a geodesic at a point where two pieces meet, in
+       radians; a bend at a vertex counts as 0 if both sides of the curve have an angle of at least
+       pi */
     double turn;
     uint32_t rounds;
     bool is_geodesic; /* true if `turn` is less than 1e-9 */

@@ -21,9 +21,10 @@
  * gd/vector.h defines (+) and (-).
  *
  * The curve is the limit of repeated halving of the control polygons by de Casteljau's construction
- * with parameter 1/2. To compute the geodesics of the construction, the polygon is pulled tight. So
- * they change continuously where shortest paths would jump. Halving stops when a polygon is so
- * close to its chord that the construction is accurate for any parameter. */
+ * with parameter 1/2. Each new geodesic of the construction is the part of the polygon between its
+ * ends, straightened. These geodesics change continuously where shortest paths would jump. Halving
+ * stops when a polygon is so close to its chord that the construction is accurate for any
+ * parameter. */
 #ifndef GD_SPLINE_H
 #define GD_SPLINE_H
 
@@ -35,8 +36,8 @@
 GD_EXTERN_C_BEGIN
 
 enum gd_tangent_rule {
-    /* (1-c) (p_(i+1) (-) p_i - p_(i-1) (-) p_i) / (u_(i+1) - u_(i-1)); if the points are reversed,
-       the curve is reversed */
+    /* (1-c) ((p_(i+1) (-) p_i) - (p_(i-1) (-) p_i)) / (u_(i+1) - u_(i-1)), where c is `tension`.
+       Points in reverse order give the same curve in reverse. */
     GD_TANGENT_SYMMETRIC,
     /* (1-c) (p_(i+1) (-) p_(i-1)) / (u_(i+1) - u_(i-1)), transported from p_(i-1) to p_i: equation
        5 */
@@ -142,11 +143,11 @@ struct gd_spline_sampling {
     const struct gd_spline *spline;
     uint32_t per_segment; /* number of equal steps of the parameter for each segment */
     uint32_t even;        /* total number of equal steps of arc length */
-    /* largest distance between polyline and curve, a length; it does not include the effect of the
-       surface's curvature within a step */
+    /* largest distance between polyline and curve, in the unit of the mesh. The surface's curvature
+       within a step can make the distance larger. */
     double tolerance;
-    /* Arc length of a step. All steps have the same arc length, with an error of about 1e-6. It is
-       as near to this value as a whole number of steps allows. */
+    /* Arc length of a step. All steps have the same arc length, with an error of about 1e-6. The
+       arc length is as near to `spacing` as a whole number of steps allows. */
     double spacing;
     const double *parameters; /* ascending, within the range of the knots */
     uint32_t count;           /* number of `parameters` */

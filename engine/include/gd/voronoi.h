@@ -13,9 +13,9 @@
  * number. Otherwise seed s belongs to `member_of_seed[s]`; some numbers may be unused. In a face
  * the distance is the minimum of the distances from several unfolded sources. Therefore a bisector
  * of two members is a chain of straight pieces, hyperbolas (between two points) and parabolas
- * (between a point and a segment). Seeds of one member have no bisector. Bisectors are not sampled.
- * On the edges that they cross and where three cells meet, the distances from the members are equal
- * up to rounding.
+ * (between a point and a segment). Two seeds of the same member have no bisector. Bisectors are not
+ * sampled. On the edges that they cross and where three cells meet, the distances from the members
+ * are equal up to rounding.
  *
  * Ties: members may be equally near in a whole region. This happens behind a saddle or a boundary
  * corner that is equally far from both members, behind a common point, or if the members coincide.

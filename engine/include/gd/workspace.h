@@ -1,5 +1,5 @@
-/* Workspace: memory that consecutive long calls reuse. It saves the time to allocate and clear
- * memory, and page faults.
+/* Workspace: memory that consecutive long calls reuse. It saves page faults, and the time to
+ * allocate and clear memory.
  *
  * Without a workspace, each call allocates and frees its memory. With a workspace (in struct
  * gd_control), the cost of a small query does not grow with the size of the mesh. Only one call at
@@ -32,8 +32,8 @@ void gd_spare_memory(size_t bytes);
 
 /* Makes the system provide memory for a later field of the size of the last one, within the limit
  * of gd_spare_memory. Returns false, and does nothing, if there is already enough memory. Call it
- * when the process is idle: a later field that the caller keeps then causes far fewer page faults.
- * Takes about as long as clearing the memory. Thread-safe. */
+ * when the process is idle. Then a later field causes far fewer page faults, if the caller keeps
+ * this field. Takes about as long as clearing the memory. Thread-safe. */
 bool gd_spare_prepare(void);
 
 GD_EXTERN_C_END
