@@ -10,14 +10,15 @@
 #define GD__CANDIDATES_MOST 4
 
 struct gd__candidate {
-    /* 2 if the path passes through a pole, where the first solution ends and the second begins */
+    /* number of solutions: 2 if the path passes through a pole, where the first one ends and the
+       second one begins; otherwise 1 */
     uint32_t parts;
     bool tip; /* true if the path ends in a pole that a curve passes */
     /* True if the path passes through or near a pole, where a coarse curve is much too long. */
     bool by_pole;
     struct gd__solution part[2];
-    /* number of the first candidate of its family of equally long paths; and true if this family
-       has other members */
+    /* number of the first candidate in this candidate's family of equally long paths; `is_family`
+       is true if the family has other members */
     uint32_t family;
     bool is_family;
     uint32_t trims; /* number of times that the path was trimmed */
@@ -29,8 +30,8 @@ struct gd__candidate {
 
 /* Computes at most GD__CANDIDATES_MOST coarse candidates along a seed. Near a pole, candidates are
  * also made for paths through the pole and on its other side. If a seed ends in a pole, a path
- * whose end is fixed there is also a candidate, because Newton's method moves a free end only close
- * to the pole. Errors: those of gd__newton. */
+ * whose end is fixed there is also a candidate, because Newton's method moves a free end close to
+ * the pole, but not into it. Errors: those of gd__newton. */
 GD_MUST_USE enum gd_status gd__candidates_of_seed(const struct gd__task *task,
                                                   const struct gd_domain_curve *const ends[2],
                                                   const struct gd__path_seed *seed,

@@ -3,11 +3,12 @@
  *
  * DESIGN
  * - Each piece is a clamped B-spline c(t), t in [0, 1], in one smooth cell of the surface; only a
- *   `whole` piece may cross cells. Its first and last control points are the places of the adjacent
- *   joints.
- * - A joint is fixed, or has one unknown. At an end of the path on a curve, the unknown is the
- *   parameter of that curve. Where the path crosses a line of the surface, or ends in a pole, it is
- *   the coordinate along the line or along the pole.
+ *   `whole` piece may cross cells. The first and the last control point of a piece are the places
+ *   of the adjacent joints.
+ * - A joint is an end of a piece: two pieces meet there, or the path ends. It is fixed, or has one
+ *   unknown. At an end of the path on a curve, the unknown is the parameter of that curve. Where
+ *   the path crosses a line of the surface, or ends in a pole, it is the coordinate along the line
+ *   or along the pole.
  * - The length of the chain is F = sum of sqrt(2 E_k), E_k = 1/2 int |d/dt x(c_k)|^2 dt. For fixed
  *   ends of a piece, E_k is least for the geodesic of constant speed between them, and then sqrt(2
  *   E_k) is the geodesic's length. Therefore the pieces need no common speed, and the minimum of F

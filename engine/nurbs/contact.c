@@ -255,8 +255,8 @@ static enum gd_status add_contact(struct division *d, const struct gd__contact *
     return status;
 }
 
-/* Adds the contacts of the part of a loop that the polyline follows from place i, `run` long. Each
- * span of the loop has a contact of its own. */
+/* Adds the contacts of the part of a loop that the polyline follows. The part begins at place i of
+ * the polyline, and s changes by `run` along it. Each span of the loop has a contact of its own. */
 static enum gd_status add_arc(struct division *d, uint32_t i, double run)
 {
     const struct gd__loops *loops = d->surface->loops;

@@ -32,8 +32,8 @@ static double entry(const double *row, uint32_t width, uint32_t i, uint32_t j)
     return high - low < width ? row[(size_t)high * width + (high - low)] : 0;
 }
 
-/* Computes the Hessian's column for a joint's unknown: the end point moves by the joint's
- * derivative. */
+/* Computes the second derivatives of the energy by each unknown of the piece and the unknown of a
+ * joint. This unknown moves the piece's end point by part->end[side].first. */
 static void joint_column(const struct gd__chain *chain, const struct gd__part *part,
                          uint32_t unknowns, int side, double *out)
 {
@@ -128,8 +128,8 @@ bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *p
         memcpy(scratch, column, unknowns * sizeof *scratch);
         gd__band_solve(unknowns, width, part->factor, column);
         part->schur[side][side] -= dot_free(part, unknowns, scratch, column);
-        /* for the mixed derivative: the product of the column of side 1 before it is solved and the
-         * solved column of side 0 */
+        /* The mixed derivative is the product of the unsolved column of side 1 (in `scratch`) and
+         * the solved column of side 0. */
         if (side == 1)
             part->schur[1][0] -= dot_free(part, unknowns, scratch, part->solution[GD__PART_FROM]);
     }

@@ -7,8 +7,8 @@
 enum { STEPS = 64, PARTS = 8 };
 
 /* A fraction of the path's length. If the middles of a path and of a member of a family are nearer
- * to each other than this, the path is this member itself. It does not prove that there are paths
- * between the members. */
+ * to each other than this, the path is this member itself. Such a path does not prove that there
+ * are paths between the members. */
 static const double apart = 1e-4;
 /* A fraction of the distance between the ends of two paths. A path between the two may end this far
  * from the point midway between their ends. */

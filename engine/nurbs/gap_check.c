@@ -70,8 +70,8 @@ static int by_number(const void *x, const void *y)
     return *p < *q ? -1 : *p > *q;
 }
 
-/* Tests the chord between two samples at the middles between its crossings with loops. So a hole
- * that is narrower than the chord is found. */
+/* If the chord between two samples crosses loops, computes the depth halfway between each two
+ * consecutive crossings. So a hole that is narrower than the chord is found. */
 static enum gd_status probe_chord(struct check *check, uint32_t sample)
 {
     enum { CROSSINGS_MOST = 64 };

@@ -17,7 +17,7 @@
 #include "nurbs/trim.h"
 
 enum {
-    /* number of pairs of places, one on each curve, that the initial paths of a class join */
+    /* number of pairs of places (one place on each curve) that the initial paths of a class join */
     CLASS_PLACES = 2,
     TRIMS_MOST = 8 /* largest number of times that a path is trimmed */
 };
@@ -163,7 +163,7 @@ static enum gd_status finish_candidate(const struct gd__task *task, struct gd__c
 }
 
 /* `through` may be a geodesic that passes through a pole. Returns true if a candidate that passes
- * near the pole is almost equal to it, and thus is not needed. */
+ * near the pole is almost equal to `through`, and thus is not needed. */
 static bool is_covered(const struct gd__candidate *through, const struct gd__candidate *candidate)
 {
     return through->parts > 1 &&
@@ -445,8 +445,9 @@ static enum gd_status check_turns(const struct gd_parametric *surface, const int
     return GD_OK;
 }
 
-/* Rejects options that trimmed surfaces do not support. On them, parts of loops become cubic
- * pieces, and the paths are in the classes of the shortest paths on the tessellation. */
+/* Rejects options that trimmed surfaces do not support. On these surfaces, parts of loops become
+ * cubic pieces, and the classes of the paths are those of the shortest paths on the
+ * tessellation. */
 static enum gd_status check_trimmed(const struct gd_geodesic_request *request,
                                     const struct gd_geodesic_options *o, struct gd_detail *detail)
 {

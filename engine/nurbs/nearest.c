@@ -5,7 +5,7 @@
 #include "nurbs/grid.h"
 
 /* LOOK: number of nodes between two checks of the control. SECTIONS and POLISH: numbers of steps of
- * golden section and of Newton's method that search the nearest place of a loop. */
+ * golden section and of Newton's method in the search for the nearest place of a loop. */
 enum { GRID_FACES = 2048, STEPS_MOST = 60, LOOK = 512, SECTIONS = 40, POLISH = 4 };
 
 /* Half of the squared distance, with gradient and Hessian in (u, v). */

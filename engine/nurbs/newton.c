@@ -16,7 +16,7 @@ struct state {
     struct gd__chain *chain;
     struct gd__part *parts;
     double *diagonal, *beside, *move; /* tridiagonal system of the joints, and its solution */
-    /* for each joint, pivots with a smaller absolute value count as 0 */
+    /* for each joint, a bound: a pivot with a smaller absolute value counts as 0 */
     double *least;
     double *kept_at;     /* the joints' unknowns before the step */
     double *kept_points; /* the control points before the step */

@@ -108,8 +108,8 @@ static double nurbs_extent(const struct gd__nurbs *nurbs)
 }
 
 /* Finds out whether a direction is closed, and whether its borders are poles. Compares both borders
- * at so many places of each cell that two different rational curves of their degree cannot agree at
- * all of them. */
+ * at so many places of each cell that two different rational curves of the borders' degree cannot
+ * agree at all of these places. */
 static void recognise(const struct gd__nurbs *nurbs, bool u_is_border, double size,
                       struct gd_axis *axis)
 {

@@ -86,8 +86,8 @@ static void weigh(const struct gd_tessellation *t, uint32_t face, bool is_at_pol
 }
 
 /* A place lies in one of the two faces of its cell, or in the single face of a cell at a pole. On a
- * trimmed surface, all faces are tried. There, no face contains a place between a loop and the
- * chords of the loop's samples. The result is then the nearest point of the best face. */
+ * trimmed surface, all faces are tried. A place between a loop and the chords of the loop's samples
+ * lies in no face. For such a place, the result is the nearest point of the best face. */
 enum gd_status gd_tessellation_point(const struct gd_tessellation *tessellation, double u, double v,
                                      struct gd_point *out, struct gd_detail *detail)
 {

@@ -123,8 +123,8 @@ static enum gd_status add_path(const struct gd_tessellation *t, const struct gd_
     return status;
 }
 
-/* Finds the sampled place of the curve that is nearest to a point. Computes its parameter, and the
- * shortest path between them. */
+/* Finds the sampled place of the curve that is nearest to a point. Computes the place's parameter,
+ * and the shortest path between place and point. */
 static enum gd_status nurbs_seeds_reach(const struct side *side, const struct gd_point *point,
                                         double *s, struct gd_path *path)
 {

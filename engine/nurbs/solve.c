@@ -28,8 +28,8 @@ static const struct gd__newton_limits coarse = {12, 1e-7};
 /* As a fraction of the path's length: if Newton's method does not converge and a piece is shorter
  * than this, the curve is stuck in a corner of cells. */
 static const double stuck = 1e-4;
-/* As a fraction of a cell's width: if a stuck curve passes a corner of cells nearer than this, it
- * continues directly in the opposite cell. */
+/* A stuck curve that passes a corner of four cells within this distance continues directly in the
+ * opposite cell. The distance is a fraction of a cell's width. */
 static const double wide_corner = 3e-2;
 /* As a fraction of a piece: the spans at the ends are not refined below this width, because
  * rounding would make their curvature wrong. */
@@ -94,7 +94,8 @@ static double span_error(const struct gd__chain *chain, const struct gd__piece *
     double error =
         follows_border(chain, piece, span) ? 0 : bend * length * length / (2 * M_PI * M_PI);
     if (error > enough) return error;
-    /* the quadrature error: the same rule gives this difference on the two halves of the span */
+    /* the quadrature error is the change of the length if the same rule is applied to the two
+       halves of the span */
     double uneven = fabs(gd__energy_length(chain, piece, span, gd__chain_gauss(chain), 2) - length);
     return uneven > noise * rounding ? error + uneven : error;
 }

@@ -5,7 +5,7 @@
 #include "gd/space_distance.h"
 #include "nurbs/bspline.h"
 
-enum { PARTS = 16, STEPS_MOST = 60 }; /* PARTS: bits of a span */
+enum { PARTS = 16, STEPS_MOST = 60 }; /* PARTS: number of bits of a span */
 
 struct look {
     struct gd_vec3 x, first, second;
@@ -36,8 +36,8 @@ struct bits {
     } * bit;
 };
 
-/* Returns a bound of the speed on a span, from the derivative's control points. It bounds the
- * distances of the span's points from its middle. */
+/* Returns a bound of the speed on a span, from the derivative's control points. It serves to bound
+ * the distances of the span's points from the span's middle. */
 static double speed_bound(const struct gd_space_curve *curve, uint32_t span)
 {
     double most = 0;

@@ -43,8 +43,9 @@ static inline int32_t gd__axis_cells(const struct gd_axis *axis)
  * the domain, returns the cell inside. */
 int32_t gd__axis_cell(const struct gd_axis *axis, double t);
 
-/* Returns the coordinate of the line below a cell, or -INFINITY or INFINITY if the cell has no end
- * there. Sets *is_line to true for a line or a seam of the surface, and to false for a border. */
+/* Returns the coordinate of the line below cell `index`. In a closed direction without a seam there
+ * are no lines; returns INFINITY if the index is positive, and otherwise -INFINITY. Sets *is_line
+ * to true for a line or a seam of the surface, and to false for a border. */
 double gd__axis_line(const struct gd_axis *axis, int32_t index, bool *is_line);
 
 /* Returns the parameter. In a closed direction, moves it by whole periods into [low, high). */

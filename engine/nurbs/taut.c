@@ -167,8 +167,8 @@ static void remove_contact(struct gd__taut *taut, uint32_t i)
             (taut->contacts.count - i) * sizeof *taut->contacts.items);
 }
 
-/* Inserts a contact before contact `index`, and a gap before gap `gap`, beside the contact. The
- * gap's line joins two places of the contact's span. */
+/* Inserts a contact before contact `index`. Also inserts a gap before gap `gap`, next to the new
+ * contact. The gap's line joins two places of the contact's span. */
 static enum gd_status insert_contact(struct gd__taut *taut, uint32_t index,
                                      const struct gd__contact *contact, uint32_t gap,
                                      const double ends[2])

@@ -28,8 +28,8 @@ static enum gd_status add_part(const struct gd__chain *chain, struct gd__uv_poly
 }
 
 /* Finds the place where the path, as a polyline, meets a curve, and stores it in `cut` for the
- * given side. For side 0 it is the last place on the first curve, for side 1 the first place after
- * it on the second curve. The path's own end on the curve does not count. */
+ * given side. For side 0 it is the last place on the first curve, for side 1 the first later place
+ * on the second curve. The path's own end on the curve does not count. */
 static enum gd_status find_meeting(const struct gd_domain_curve *path,
                                    const struct gd_domain_curve *curve,
                                    const struct gd_control *control, int side, struct cut *cut)

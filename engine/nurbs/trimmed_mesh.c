@@ -19,7 +19,7 @@ struct meshing {
     struct gd__pace pace;
     struct gd__loop_samples samples;
     bool *omitted;       /* for each grid node, true if it is near a loop */
-    uint32_t *number_of; /* for each grid node, its place */
+    uint32_t *number_of; /* for each grid node, the number of its place */
     uint32_t count;      /* number of places: first the samples of loops, then the grid nodes */
     double (*uv)[2];
     struct gd__site *nodes;

@@ -49,8 +49,8 @@ struct gd__fit {
         spans; /* number of spans, distributed over the pieces by length; at least one each */
     struct gd__joint from, to;
     bool whole; /* true if the chain is one piece through all cells */
-    /* As a fraction of a cell's width: if a path passes a corner of cells nearer than this, it
-       continues directly in the opposite cell. */
+    /* A path that passes a corner of four cells within this distance continues directly in the
+       opposite cell. The distance is a fraction of a cell's width. */
     double corner;
 };
 
