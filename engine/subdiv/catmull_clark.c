@@ -96,10 +96,10 @@ static struct gd_vec3 catmull_clark_axis(const struct gd__net *net, const struct
  * One step maps a A + B to mu (a A + B) plus multiples of V and of the crease's neighbours Ea, Eb.
  * To compensate for these multiples, the eigenvector also contains b (Ea + Eb) - ((a + 2) sigma + 2
  * b) V, where b = (mu sin theta - (2 mu - 1/4) sigma) / (mu - 1/4) and sigma = cot(theta / 2).
- * (Biermann, Levin and Zorin 2000 derive the eigenvector for modified rules with mu = 1/2. They
- * agree with the rules here only for k = 2.) If k = 1, the tangent across is the crease's curvature
- * vector. If the crease is also straight, it is the direction to the opposite corner of the
- * face. */
+ * (Biermann, Levin and Zorin 2000 derive the eigenvector for modified rules with mu = 1/2. The
+ * modified rules agree with the rules here only for k = 2.) If k = 1, the tangent across is the
+ * crease's curvature vector. If the crease is also straight, it is the direction to the opposite
+ * corner of the face. */
 static struct gd_vec3 catmull_clark_cross(const struct gd__net *net, const struct gd__fan *fan,
                                           uint32_t begin, uint32_t faces)
 {

@@ -13,8 +13,8 @@ void gd__grid_room_free(struct gd__grid_room *room);
 /* Sets the level of each face of a tiling to the coarsest level that satisfies `tolerance`. The
  * error of a level is measured at the vertices of the grid that is two levels finer. For a vertex
  * inside the face, the error is the distance from the triangles along the normal. For a vertex on a
- * side, it is the distance from the chord. Error: GD_TOO_LARGE (a level beyond GD__LEVEL_MOST is
- * needed). */
+ * side, it is the distance from the chord of the coarse edge. Error: GD_TOO_LARGE (a level beyond
+ * GD__LEVEL_MOST is needed). */
 GD_MUST_USE enum gd_status gd__chordal_levels(const struct gd_subdivision *surface,
                                               double tolerance, const struct gd_control *control,
                                               struct gd__tiling *tiling);

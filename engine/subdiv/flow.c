@@ -9,8 +9,8 @@
 
 bool gd__components(const struct gd__jet *jet, struct gd_vec3 vector, double out[2])
 {
-    /* cross products, because products of lengths lose more digits if the derivatives are nearly
-       parallel */
+    /* uses cross products, because products of lengths lose more digits if the derivatives are
+       nearly parallel */
     struct gd_vec3 normal = gd_vec3_cross(jet->s, jet->t);
     double square = gd_vec3_dot(normal, normal);
     if (!(square > 0)) return false;

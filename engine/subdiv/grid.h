@@ -21,8 +21,9 @@ struct gd__grid_room {
 /* Computes positions and unit normals (0 if there is none) at (i,j) / 2^level, and stores them at
  * index i (2^level + 1) + j. The surface over a regular face is one polynomial. It is evaluated row
  * by row, because the places of a row share partial sums. An irregular face is divided into its
- * children. All children except the one at the irregular corner are polynomials. `pace` may be
- * NULL; each place is one step of the pace. Returns the status of the pace. */
+ * children, the faces of the next subdivision step. All children except the one at the irregular
+ * corner are polynomials. `pace` may be NULL; each place is one step of the pace. Returns the
+ * status of the pace. */
 enum gd_status gd__grid(struct gd__walker *walker, uint32_t face, uint32_t level,
                         const struct gd__grid_room *room, struct gd__pace *pace);
 

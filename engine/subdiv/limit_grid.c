@@ -239,7 +239,7 @@ void gd__grid_apex(const struct gd_limit_grid *grid, const struct gd__grid_edge 
         apex_in_quads(grid, edge, apex);
         return;
     }
-    /* a sixth of a turn maps (1, 0) to (0, 1) and (0, 1) to (-1, 1) */
+    /* a rotation by 60 degrees maps (1, 0) to (0, 1), and (0, 1) to (-1, 1) */
     int32_t x = edge->q[0] - edge->p[0], y = edge->q[1] - edge->p[1];
     apex[0] = edge->p[0] - y;
     apex[1] = edge->p[1] + x + y;

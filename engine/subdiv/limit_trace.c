@@ -11,7 +11,7 @@ void gd_limit_path_free(struct gd_limit_path *path)
     *path = (struct gd_limit_path){0};
 }
 
-/* A path in the making. */
+/* A path that is being traced. */
 struct line {
     struct gd_limit_path path;
     uint32_t capacity;

@@ -25,8 +25,8 @@ struct gd_subdivision {
     uint32_t *split_first;
     uint32_t control_faces;
     uint32_t largest_valence; /* largest valence of base vertices, at least the regular one */
-    /* number of edges; base.edge has their numbers, and the side with the lower number owns an
-       edge */
+    /* number of edges; base.edge has their numbers; of the two sides of an edge, the one with the
+       lower number owns the edge */
     uint32_t base_edges;
     struct gd_subdivision_summary summary;
     struct gd_valence *valences;
@@ -44,8 +44,8 @@ struct gd__chart {
 
 #define GD__CHART_WHOLE ((struct gd__chart){{0, 0}, {1, 0}, {0, 1}})
 
-/* gd__chart_child returns the chart of a child of a face whose chart is `frame`; it maps to the
- * same coordinates. gd__chart_out maps from a face's own coordinates to the coordinates of the
+/* gd__chart_child returns the chart of a child of a face whose chart is `frame`; both charts map to
+ * the same coordinates. gd__chart_out maps from a face's own coordinates to the coordinates of the
  * containing face. gd__chart_in is the inverse. */
 struct gd__chart gd__chart_child(const struct gd__chart *frame, const struct gd__child *child);
 void gd__chart_out(const struct gd__chart *frame, double s, double t, double out[2]);

@@ -84,9 +84,8 @@ static uint32_t inner_vertex(const struct gd__tiling *tiling, uint32_t face, uin
     return gd__tiling_inside(tiling, face, cells, at[k][0], at[k][1]);
 }
 
-/* Fills the strip between a side and the row of inner vertices next to it. Each triangle advances
- * by one vertex, either on the side or on the row: to the next vertex that comes first along the
- * side. */
+/* Fills the strip between a side and the row of inner vertices next to it. Each triangle adds one
+ * vertex: the next vertex of the side or of the row, whichever comes first along the side. */
 static uint32_t *tile_strip(const struct gd__tiling *tiling, uint32_t face, uint32_t k,
                             uint32_t *corners)
 {

@@ -41,9 +41,9 @@ uint32_t gd__tiling_inside(const struct gd__tiling *tiling, uint32_t face, uint3
 /* Computes (i,j) of point `m` on side `k` of a face with `cells` cells along a side. */
 void gd__side_place(uint32_t arity, uint32_t k, uint32_t cells, uint32_t m, uint32_t out[2]);
 
-/* Writes the triangles of a face to `corners`, and returns their end. `positions` contains the
- * positions of all vertices of the tiling. Each cell is a step of the pace. If the pace stops, the
- * function returns early. */
+/* Writes the triangles of a face to `corners`, and returns the end of the written entries.
+ * `positions` contains the positions of all vertices of the tiling. Each cell is a step of the
+ * pace. If the pace stops, the function returns early. */
 uint32_t *gd__tile(const struct gd__tiling *tiling, uint32_t face, const double (*positions)[3],
                    uint32_t *corners, struct gd__pace *pace);
 

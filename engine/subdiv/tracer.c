@@ -100,8 +100,8 @@ enum gd_status gd__tracer_start(struct gd__tracer *tracer, struct gd__walker *wa
 {
     *tracer = (struct gd__tracer){.walker = walker, .local = *local, .direction = direction};
     enum gd_status status = tracer_enter(tracer, direction);
-    /* a second call, because only now the velocity is known, which determines the adjacent piece
-       that the path enters */
+    /* This second call selects the piece. The velocity decides which of several adjacent pieces the
+       path enters, and it is known only now. */
     if (!status && !tracer->ended && walker->piece.face != GD_NONE)
         status = tracer_enter(tracer, tracer->direction);
     tracer->under_way = true;

@@ -3,9 +3,9 @@
  * DESIGN. `local` and (ds,dt) are the current place and velocity in the base face's coordinates;
  * walker->piece is the current piece. A step stays within the piece (up to GD_TOL_PATCH) or ends on
  * its border. The next piece may lie in the same base face, whose coordinates continue across the
- * border. Or it lies in the face across a side. There, the direction keeps its components along and
- * across the side. Pieces become small towards a vertex: if the path passes within GD_TOL_VERTEX of
- * the vertex, it continues on the vertex' other side. */
+ * border. Or it lies in the face across a side; the direction then keeps its components along and
+ * across the side. Near a vertex, pieces become very small. So a path that passes within
+ * GD_TOL_VERTEX of the vertex jumps to the vertex' other side. */
 #ifndef GD_SUBDIV_TRACER_H
 #define GD_SUBDIV_TRACER_H
 

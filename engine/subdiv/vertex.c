@@ -161,8 +161,8 @@ static void crease_limit(const struct gd__net *net, const struct gd__fan *fan, u
     to_units(out);
 }
 
-/* Computes the limit of darts and corners, for which there are no closed-form masks. Subdivides
- * their rings until the shape of the ring no longer changes. */
+/* Computes the limit of darts and corners, for which there are no closed-form masks. Subdivides the
+ * ring of such a vertex until the shape of the ring no longer changes. */
 static void shape_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
                         struct gd__vertex *out)
 {
