@@ -9,7 +9,9 @@
 struct gd__pull {
     double turn, strength;
     double weight;
-    double bend; /* the path's length divided by that of its first segment: 1 for a straight path */
+    /* length of the vector's path, divided by the length of the path's first segment: 1 for a
+       straight path */
+    double bend;
 };
 
 /* Finds the turn with the greatest sum of strength_i cos(min(|turn - turn_i|, pi)). Returns this

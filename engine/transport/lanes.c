@@ -9,7 +9,7 @@ struct run {
     const struct gd__lanes *lanes;
     struct gd_control control; /* control of each lane */
     const char *location;      /* identifies the caller's thread */
-    uint32_t before;           /* parts of the share that were done before */
+    uint32_t before;           /* number of parts of the share that were done before this call */
     bool is_cancelled;         /* true if a progress report cancelled the call */
     atomic_uint next, done;
     atomic_bool has_failed; /* stops the other lane */

@@ -34,10 +34,10 @@ static enum gd_status angle_between(const struct gd_mesh *mesh, const struct gd_
 }
 
 /* Returns the arm to which the curve is tangent at its beginning (side 0) or end (side 1). It is
- * the first arm, counted from there, that is not a single point. If the first arm is a single
- * point, the speed there is 0. When the curve is halved, the control points near this end stay on
- * the next arm, so the next arm has the direction of the tangent. Returns NULL if all arms are
- * single points. */
+ * the first arm, counted from this end, that is not a single point. If the arm at this end is a
+ * single point, the speed at this end is 0. When the curve is halved, the control points near this
+ * end stay on the next arm, so the next arm has the direction of the tangent. Returns NULL if all
+ * arms are single points. */
 static const struct gd_path *tangent_arm(const struct gd_spline_segment *segment, int side)
 {
     for (int k = 0; k < 3; k++) {

@@ -13,7 +13,7 @@
 
 enum {
     FIRST = 64,   /* initial capacity of a line, in points */
-    CHUNK = 16384 /* most points between two checks of the control: a millisecond */
+    CHUNK = 16384 /* number of points between two checks of the control, a millisecond */
 };
 
 /* The polyline of a trace, with its length and limits. Normalised unit. */
@@ -35,8 +35,8 @@ static uint32_t next_capacity(const struct line *line)
     return capacity < line->limit + 1 ? capacity : line->limit + 1;
 }
 
-/* Doubles the capacity and checks the control. Returns false on failure, or with status GD_OK if
- * the limit is reached. */
+/* Doubles the capacity and checks the control. Returns false on failure, and also if the limit is
+ * reached; the status is then GD_OK. */
 static bool line_grow(struct line *line)
 {
     uint32_t capacity = next_capacity(line);
