@@ -11,7 +11,7 @@
 
 enum {
     SAMPLES_MOST = 65536,
-    DEPTH_LEAST = 2, /* a curved span is halved at least this often */
+    DEPTH_LEAST = 2, /* a curved span is halved at least this number of times */
     DEPTH_MOST = 12,
     PROJECTIONS = 12 /* Newton steps towards the nearest place */
 };
@@ -450,7 +450,7 @@ double gd__loops_depth(const struct gd__loops *loops, const double at[2],
     gd__loop_jet(loops, place.loop, place.s, false, &c);
     memcpy(place.at, c.at, sizeof c.at);
     place.distance = apart(loops, c.at, at);
-    /* if the nearest sample is the joint of two spans, the nearest place may be on either span */
+    /* if two spans meet at the nearest sample, the nearest place may be on either span */
     if (place.s >= loops->loops[place.loop].span_count) place.s = 0;
     bool at_end = place.s == floor(place.s);
     approach(loops, at, &place);

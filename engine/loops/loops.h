@@ -51,7 +51,7 @@ struct gd__loop_place {
     double s;
     double at[2];
     double distance; /* scaled, from the given place */
-    bool is_corner;  /* s is the end of a span, to GD_TOL_LOOP_PLACE */
+    bool is_corner;  /* s is the end of a span, with the tolerance GD_TOL_LOOP_PLACE */
 };
 
 /* Creates the loops of a domain. Errors and fault are those of gd_parametric_trim. */
@@ -59,7 +59,7 @@ GD_MUST_USE enum gd_status gd__loops_create(const double low[2], const double hi
                                             const struct gd_trims *trims, struct gd__pace *pace,
                                             struct gd__loops **out, struct gd_trim_fault *fault);
 
-void gd__loops_free(struct gd__loops *loops); /* NULL is harmless */
+void gd__loops_free(struct gd__loops *loops); /* NULL is allowed */
 
 /* Writes the fault with its sentence to `fault`, unless it is NULL. Returns GD_INVALID_ARGUMENT. */
 enum gd_status gd__loops_fail(struct gd_trim_fault *fault, uint32_t loop, uint32_t curve,
@@ -89,7 +89,8 @@ uint32_t gd__loop_curve(const struct gd__loops *loops, uint32_t loop, double s);
 double gd__loops_depth(const struct gd__loops *loops, const double at[2],
                        struct gd__loop_place *out);
 
-/* Returns true if the place is inside loop `i` or on it, by the number of crossings of a ray. */
+/* Returns true if the place is inside loop `i` or on it. Counts the crossings of a ray with the
+ * loop. */
 bool gd__loop_surrounds(const struct gd__loops *loops, uint32_t i, const double at[2]);
 
 #endif

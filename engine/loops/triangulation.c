@@ -19,7 +19,8 @@ static bool in_circle(const struct gd__plane *plane, struct gd__plane_side side)
            0;
 }
 
-/* Begins with a triangle around all points. Its corners are the sites after them. */
+/* Begins with a triangle around all points. Its corners are the last sites, after those of the
+ * points. */
 static enum gd_status begin(struct gd__plane *plane, const struct gd__triangulation_input *input)
 {
     const int64_t e = GD__LATTICE_EXTENT;

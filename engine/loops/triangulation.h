@@ -1,6 +1,6 @@
 /* Triangulation: constrained Delaunay triangulation of points in the parameter plane
- * (plane/triangulation.h). The segments of closed loops are edges of it. Points are rounded to a
- * lattice, so all predicates are exact. */
+ * (plane/triangulation.h). The segments of closed loops become edges of the triangulation. Points
+ * are rounded to a lattice, so all predicates are exact. */
 #ifndef GD_LOOPS_TRIANGULATION_H
 #define GD_LOOPS_TRIANGULATION_H
 
@@ -22,8 +22,8 @@ struct gd__triangulation {
 };
 
 /* Triangulates the points, and selects the triangles inside the loops. Errors: GD_RUNAWAY (segments
- * cross, or a point lies on a segment), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. About
- * O(points) if neighbouring points follow one another. */
+ * cross, or a point lies on a segment), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost:
+ * about O(points) if consecutive points of the array lie near each other. */
 GD_MUST_USE enum gd_status gd__loops_triangulate(const struct gd__triangulation_input *input,
                                                  struct gd__pace *pace,
                                                  struct gd__triangulation *out);
