@@ -37,8 +37,8 @@ GD_MUST_USE enum gd_status gd__straighten_length(struct gd__straightener *straig
                                                  double *out);
 
 /* The angles on both sides of a line at a point. `back` is the turn of the direction back along the
- * line, `ahead` the turn in which the line leaves the point. On a side with a boundary, the angle
- * is INFINITY. */
+ * line, `ahead` the turn in which the line leaves the point. If the boundary is on a side of the
+ * line, the angle on this side is INFINITY. */
 struct gd__bend {
     double right, left;
 };
