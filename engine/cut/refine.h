@@ -1,7 +1,7 @@
-/* Refined mesh: the mesh, with the faces that the curve crosses divided such that the curve's
- * segments are sides of triangles. Triangles are ordered by the input index of their faces.
- * Neighbouring triangles are joined, except across the seam. Joined triangles form a region. Joined
- * corners are one vertex of the region. */
+/* Refined mesh: the mesh after the faces that the curve crosses are divided. The curve's segments
+ * are sides of its triangles. Triangles are ordered by the input index of their faces. Neighbouring
+ * triangles are joined, except across the seam. Joined triangles form a region. Joined corners are
+ * one vertex of the region. */
 #ifndef GD_CUT_REFINE_H
 #define GD_CUT_REFINE_H
 
