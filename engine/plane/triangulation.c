@@ -2,8 +2,8 @@
 
 #include <stdlib.h>
 
-/* A segment that crosses n sides may cause at most FLIPS_A_SIDE (n + 1)^2 flips, which is far more
- * than needed. */
+/* A segment that crosses n sides may cause at most FLIPS_A_SIDE * (n + 1)^2 flips, which is far
+ * more than needed. */
 #define FLIPS_A_SIDE 16
 /* upper bound on the triangles of a triangulation with `count` sites */
 #define TRIANGLES(count) (2 * (size_t)(count))
