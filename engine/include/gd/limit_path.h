@@ -43,12 +43,12 @@ struct gd_limit_trace_request {
 };
 
 /* Traces the geodesic from a place in a direction. On a geodesic x = S(u,v) the acceleration x'' is
- * normal to the surface: (u'',v'') = -g^-1 (S_u.a, S_v.a), a = S_uu u'^2 + 2 S_uv u'v' + S_vv v'^2.
- * g is the metric: the 2x2 matrix of the scalar products of S_u and S_v. The equation is solved
- * patch by patch. Each patch is a polynomial that continues smoothly beyond its border. The path
- * leaves a patch exactly at its border. Across a crease, the path continues as if the crease were
- * flattened. Through an extraordinary vertex, it continues along its tangent. If the start is a
- * vertex and the direction does not lead into the start's face, the path starts in the face into
+ * normal to the surface: (u'',v'') = -g^-1 (S_u.a, S_v.a), where a = S_uu u'^2 + 2 S_uv u'v' + S_vv
+ * v'^2, and g is the metric, the 2x2 matrix of the scalar products of S_u and S_v. The equation is
+ * solved patch by patch. Each patch is a polynomial that continues smoothly beyond its border. The
+ * path leaves a patch exactly at its border. Across a crease, the path continues as if the crease
+ * were flattened. Through an extraordinary vertex, it continues along its tangent. If the start is
+ * a vertex and the direction does not lead into the start's face, the path starts in the face into
  * which the direction leads, if this face is on the same side of creases. If there is no such face,
  * or if the start has no normal, the path ends at once. Method: Gragg's method with Bulirsch and
  * Stoer's extrapolation. The relative error is 1e-13 for each patch (more in slivers near a spike),

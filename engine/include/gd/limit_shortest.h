@@ -23,14 +23,15 @@ struct gd_limit_shortest {
 void gd_limit_shortest_free(struct gd_limit_shortest *shortest);
 
 /* Computes the shortest path from ends[0] to ends[1]. Computes the exact path on the mesh, and from
- * it a geodesic of the limit surface (gd_limit_relax). If this fails, or if the geodesic is longer
- * than the mesh's path projected onto the limit surface, the result is the projected path. The
- * projected path's length is an upper bound of the distance; its difference from mesh_distance
- * estimates the error. If two paths are nearly equally short, the result is the path that is
- * shorter on the mesh. The result may then be longer than the shortest path by O(4^-level).
- * `control` and `detail` may be NULL; the caller frees `*out` by gd_limit_shortest_free. Errors:
- * those of gd_limit_place_check and gd_pair_solve; GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE, GD_INTERNAL. Cost: a search on the mesh, and about ten traces. Thread-safe. */
+ * it a geodesic of the limit surface (gd_limit_relax). If this fails, the result is the mesh's path
+ * projected onto the limit surface. The result is also the projected path if the geodesic is longer
+ * than this path by more than the error estimate of this path's length. The projected path's length
+ * is an upper bound of the distance; its difference from mesh_distance estimates the error. If two
+ * paths are nearly equally short, the result is the path that is shorter on the mesh. The result
+ * may then be longer than the shortest path by O(4^-level). `control` and `detail` may be NULL; the
+ * caller frees `*out` by gd_limit_shortest_free. Errors: those of gd_limit_place_check and
+ * gd_pair_solve; GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. Cost: a search on
+ * the mesh, and about ten traces. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_shortest_find(const struct gd_limit_mesh *fine,
                                                   const struct gd_limit_point ends[2],
                                                   const struct gd_control *control,

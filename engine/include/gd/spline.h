@@ -175,10 +175,11 @@ struct gd_spline_line {
 void gd_spline_line_free(struct gd_spline_line *line); /* NULL is allowed */
 
 /* Samples a spline as a polyline through the sampled places. The caller frees `*out` by
- * gd_spline_line_free. Errors: GD_INVALID_ARGUMENT (not exactly one kind of parameters is set, or a
- * number is out of range), GD_TOO_LARGE (more than GD_SPLINE_PLACES), GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. Cost: about four straightened lines for each halving and
- * three for each place; a straightened line takes O(crossed faces). Thread-safe. */
+ * gd_spline_line_free. Errors: GD_INVALID_ARGUMENT (none or several of the members that select
+ * parameters are set, or a number is out of range), GD_TOO_LARGE (more than GD_SPLINE_PLACES),
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. Cost: about four straightened
+ * lines for each halving and three for each place; a straightened line takes O(crossed faces).
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_spline_sample(const struct gd_mesh *mesh,
                                             const struct gd_spline_sampling *sampling,
                                             const struct gd_control *control,

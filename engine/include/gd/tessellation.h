@@ -62,8 +62,8 @@ const struct gd_polygons *gd_tessellation_polygons(const struct gd_tessellation 
 void gd_tessellation_vertex(const struct gd_tessellation *tessellation, struct gd_vertex vertex,
                             double uv[2]);
 
-/* Returns (u, v) of a point of the mesh, interpolated in its face. At a pole the parameter along
- * the pole is that of the face. O(1). */
+/* Returns (u, v) of a point of the mesh, interpolated in its face. At a pole, the parameter along
+ * the pole is interpolated from the other corners of the face. O(1). */
 void gd_tessellation_parameters(const struct gd_tessellation *tessellation,
                                 const struct gd_point *point, double uv[2]);
 

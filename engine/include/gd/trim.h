@@ -25,8 +25,8 @@ GD_EXTERN_C_BEGIN
 #define GD_TRIM_POINTS_MAX 4096 /* largest number of points in all loops */
 #define GD_TRIM_DEGREE_MAX 15
 
-/* A part of a loop. If `knots` is NULL, the curve is a polyline if the degree is 1, and otherwise a
- * Bézier curve with degree + 1 points. */
+/* A part of a loop. If `knots` is NULL, a curve of degree 1 is a polyline, and a curve of higher
+ * degree is a Bézier curve with degree + 1 points. */
 struct gd_trim_curve {
     uint32_t degree, count;
     const double (*points)[2]; /* (u, v), not multiplied by weights */

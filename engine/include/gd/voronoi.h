@@ -18,10 +18,10 @@
  * are equal up to rounding.
  *
  * Ties: members may be equally near in a whole region. This happens behind a saddle or a boundary
- * corner that is equally far from both members, behind a common point, or if the members coincide.
- * One of the members then owns the region; this selection is deterministic. If a member is nowhere
- * strictly nearest, it has no label and no bisector. Along the border of such a region a bisector
- * may oscillate by 1e-6 of the field's greatest distance. */
+ * corner that is equally far from both members, behind a point that belongs to both members, or if
+ * the members coincide. One of the members then owns the region; this selection is deterministic.
+ * If a member is nowhere strictly nearest, it has no label and no bisector. Along the border of
+ * such a region a bisector may oscillate by 1e-6 of the field's greatest distance. */
 #ifndef GD_VORONOI_H
 #define GD_VORONOI_H
 
