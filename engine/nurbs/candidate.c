@@ -9,7 +9,7 @@
 
 enum { DETOUR = 8 }; /* number of steps of a detour around a pole */
 
-/* As a fraction of the domain's width: if a seed is nearer to a pole than this, the path may pass
+/* If a seed comes nearer to a pole than this fraction of the domain's width, the path may pass
  * through the pole or on its other side. */
 static const double near_pole = 0.08;
 

@@ -6,12 +6,12 @@
 
 enum { STEPS = 64, PARTS = 8 };
 
-/* A fraction of the path's length. If the middles of a path and of a member of a family are nearer
- * to each other than this, the path is this member itself. Such a path does not prove that there
- * are paths between the members. */
+/* If the middles of a path and of a member of a family are nearer to each other than this fraction
+ * of the path's length, the path is this member itself. Such a path does not prove that there are
+ * paths between the members. */
 static const double apart = 1e-4;
-/* A fraction of the distance between the ends of two paths. A path between the two may end this far
- * from the point midway between their ends. */
+/* A path between two paths may end this far from the point midway between their ends, as a fraction
+ * of the distance between these ends. */
 static const double still = 0.1;
 /* Polylines between members of a family are longer than the members by less than this fraction. */
 static const double bulge = 0.02;

@@ -126,7 +126,7 @@ static struct cut find_cut(const struct gd_parametric *surface,
     double width = slab[1 - k].high - slab[1 - k].low;
     double near = isfinite(width) ? corner * width : slab[1 - k].slack * corner / GD_TOL_CELL;
     for (int s = -1; s <= 1; s += 2) {
-        /* near a corner of cells, the path continues directly in the opposite cell */
+        /* near a corner of four cells, the path continues directly in the opposite cell */
         double line = s > 0 ? slab[1 - k].high : slab[1 - k].low;
         uint32_t ahead = i + 2 < polyline->count ? i + 2 : polyline->count - 1;
         if (fabs(cut.along - line) <= near &&

@@ -26,9 +26,9 @@ enum {
 static const double hopeless = 1.01;
 /* replaces `hopeless` if a candidate passes near a pole, where coarse curves are too long */
 static const double hopeless_by_pole = 1.08;
-/* A fraction of the length. Two candidates are the same path if their lengths differ by less than
- * this, and if the distances between their points at a quarter and at the middle are below the
- * square root of this fraction. */
+/* Two candidates are the same path if their lengths differ by less than this fraction of the
+ * length, and if the distances between their points at a quarter and at the middle are below the
+ * square root of this fraction, times the length. */
 static const double twins = 1e-7;
 /* replaces `twins` for a candidate that converges to a path through a pole */
 static const double beside = 1e-2;

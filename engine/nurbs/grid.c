@@ -12,8 +12,8 @@ enum {
     LEAST_STEPS = 8 /* least number of steps in a direction */
 };
 
-/* The size of a cell in one direction. Several lines run through the cell in this direction; these
- * are their largest length, and the largest value of |x''| width^2 on them. */
+/* The size of a cell in one direction, measured on several lines that run through the cell in this
+ * direction. `length` is their largest length, and `bend` the largest value of |x''| width^2. */
 struct cell_size {
     double low, high, length, bend;
 };

@@ -17,8 +17,8 @@ enum {
     SEEDS_FEW = 12 /* largest number of seeds if only the shortest path is requested */
 };
 
-/* As a fraction of the length: two seeds lead to the same path if their lengths, ends and middles
- * differ by less than this. */
+/* Two seeds lead to the same path if their lengths, ends and middles differ by less than this
+ * fraction of the length. */
 static const double same = 0.02;
 /* A seed that is longer than this factor times the shortest seed does not lead to the shortest
  * path. */

@@ -31,7 +31,8 @@ void gd__path_seeds_free(struct gd__path_seeds *seeds);
 GD_MUST_USE enum gd_status gd__path_seed_attach(const struct gd_domain_curve *const ends[2],
                                                 struct gd__path_seed *seed);
 
-#define GD__SEEDS_PARTS 2 /* number of parts of `share`: the field of each curve is one part */
+/* number of parts of a search's `share`: the field of each curve is one part */
+#define GD__SEEDS_PARTS 2
 
 /* If `all` is set, finds all seeds; otherwise finds only the seeds that may lead to the shortest
  * path. Finds at least one seed. Errors: those of gd_field_build. */

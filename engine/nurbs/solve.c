@@ -10,7 +10,7 @@ enum {
     COARSE_SPANS = 14, /* number of spans of a coarse curve, for each turn around the surface */
     FIRST_SPANS = 10,  /* the same for the first curve that is divided into pieces */
     CUT_MOST = 12,     /* largest number of fits of the curve to the cells */
-    /* largest number of consecutive fits of a curve that is stuck in a corner of cells */
+    /* largest number of consecutive fits of a curve that is stuck in a corner of four cells */
     CORNERS_MOST = 2,
     /* largest number of moves of an end from one interval of its curve to another */
     SLIDES_MOST = 256,
@@ -25,20 +25,20 @@ static const struct gd__newton_limits exact = {60, GD_TOL_STATIONARY};
  * do not help. */
 static const struct gd__newton_limits coarse = {12, 1e-7};
 
-/* As a fraction of the path's length: if Newton's method does not converge and a piece is shorter
- * than this, the curve is stuck in a corner of cells. */
+/* If Newton's method does not converge, and a piece is shorter than this fraction of the path's
+ * length, the curve is stuck in a corner of four cells. */
 static const double stuck = 1e-4;
 /* A stuck curve that passes a corner of four cells within this distance continues directly in the
  * opposite cell. The distance is a fraction of a cell's width. */
 static const double wide_corner = 3e-2;
-/* As a fraction of a piece: the spans at the ends are not refined below this width, because
- * rounding would make their curvature wrong. */
+/* Smallest width of the spans at the ends, as a fraction of a piece. Narrower spans would have a
+ * wrong curvature because of rounding. */
 static const double shortest_end = 1e-4;
 /* Largest value of the integral of squared geodesic curvature, times the length. For a path with a
  * kink, this product is infinite. */
 static const double most_bend = 100;
-/* As a fraction of the domain's width: a control point nearer to a pole than this counts as in the
- * pole. */
+/* A control point counts as in a pole if it is nearer to the pole than this fraction of the
+ * domain's width. */
 static const double fallen = 1e-6;
 /* Rounding error of a span's length, as a multiple of the rounding error at the chain's ends. */
 static const double noise = 8;

@@ -25,9 +25,9 @@ struct gd__solution {
 };
 
 /* Computes a coarse curve, which is used to compare candidates, from a polyline that begins and
- * ends at the joints. The curve is one piece over all cells. The joints are `whole`. If
- * task->control_points is set, this curve is the geodesic-like curve of the paper and already the
- * final result. Errors: those of gd__newton. */
+ * ends at the joints. The curve is one piece over all cells. The joints may be anywhere on the
+ * curves (`whole` in chain.h). If task->control_points is set, this curve is the geodesic-like
+ * curve of the paper and already the final result. Errors: those of gd__newton. */
 GD_MUST_USE enum gd_status gd__solve_coarse(const struct gd__task *task,
                                             const struct gd__uv_polyline *polyline,
                                             const struct gd__joint *from,

@@ -6,11 +6,11 @@
  *   touches the obstacle. These are the conditions of a local minimum among the paths that do not
  *   leave the domain.
  * - The exact geodesic of the trimmed tessellation gives the class of the path and its first
- *   contacts. Each *gap* (the part of the path between two contacts) is computed as a geodesic
- *   without constraint. Then the ends of the contacts move. Let a be the angle between path and
- *   loop at such an end, and k the geodesic curvature of the loop. After a step of about a / k
- *   along the loop, the angle is 0. Near the solution the loop is tangential to the gap, so this
- *   step moves the end of the gap along the gap itself. Therefore the steps of neighbouring
+ *   contacts. Each *gap* (a part of the path before, between or after contacts) is computed as a
+ *   geodesic without constraint. Then the ends of the contacts move. Let a be the angle between
+ *   path and loop at such an end, and k the geodesic curvature of the loop. After a step of about a
+ *   / k along the loop, the angle is 0. Near the solution the loop is tangential to the gap, so
+ *   this step moves the end of the gap along the gap itself. Therefore the steps of neighbouring
  *   contacts do not influence each other, and they converge as Newton's method does.
  * - A gap that leaves the domain gets a contact where it is farthest outside. A contact at which
  *   the path turns away from the obstacle is removed.

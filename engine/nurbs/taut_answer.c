@@ -115,7 +115,7 @@ static uint32_t count_pieces(const struct gd__taut *taut)
     return count + taut->contacts.count;
 }
 
-/* Adds the pieces of a gap, and its part of the report. */
+/* Adds the pieces of a gap to the path, and the values of its solution to those of the path. */
 static enum gd_status add_gap(const struct gd__taut *taut, uint32_t i, struct gd_geodesic *out)
 {
     struct gd__candidate candidate = {.parts = 1, .part = {taut->gaps[i].solution}};
