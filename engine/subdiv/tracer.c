@@ -142,8 +142,8 @@ static bool side_axes(const struct gd__jet *jet, uint32_t arity, uint32_t k, str
     return true;
 }
 
-/* Crosses side k into the next face. To select the piece there, uses a velocity that has the same
- * component along the side, and points inwards. */
+/* Crosses side k into the next face. To select the piece in the next face, uses a velocity that has
+ * the same component along the side, and points inwards. */
 static enum gd_status cross_side(struct gd__tracer *tracer, uint32_t k)
 {
     const struct gd__net *base = &tracer->walker->surface->base;
