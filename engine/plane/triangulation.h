@@ -31,8 +31,8 @@ struct gd__plane_side {
 
 struct gd__plane {
     struct gd__pace *pace; /* borrowed */
-    /* Returns true if the common side of two triangles is to be flipped. The triangles must form a
-       strictly convex quadrilateral. The side is not a segment. */
+    /* Returns true if the common side of two triangles is to be flipped. Must return false if the
+       triangles do not form a strictly convex quadrilateral. It is not called for segments. */
     bool (*is_bad)(const struct gd__plane *plane, struct gd__plane_side side);
     struct gd__site *sites; /* `capacity` entries, like triangle_at */
     uint32_t *triangle_at;  /* for each inserted site, a triangle of which it is a corner */
