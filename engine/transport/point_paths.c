@@ -62,7 +62,8 @@ static enum gd_status path_search_make(void *context, uint32_t lane, uint32_t i,
     /* 0 means no limit */
     if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1;
     own.workspace = search->workspaces[lane];
-    /* the memory of the other lane is needed if two searches at a time exceeded the budget */
+    /* if two searches at a time exceeded the budget, this search needs the memory of the other
+       lane */
     if (lane == GD__LANE_ALONE && search->workspaces[1]) gd_workspace_trim(search->workspaces[1]);
     return path_search_one(search, point_path, &own);
 }
