@@ -57,7 +57,7 @@ static enum gd_status number_regions(struct cutting *cutting)
     struct gd__refined *refined = cutting->refined;
     enum gd_status status = GD_OK;
     for (uint32_t t = 0; t < refined->count; t++) {
-        /* the lowest triangle of the region */
+        /* `root` is the lowest triangle of the region */
         uint32_t root = gd__union_find_root(refined->region, t);
         cutting->piece[t] = root == t ? cutting->cut.piece_count++ : cutting->piece[root];
     }
