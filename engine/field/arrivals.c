@@ -7,9 +7,9 @@
 
 /* The last leg of each shortest path is a straight line from a source (sources.h) through one of
  * the point's faces. A path through a corner where no shortest path bends is longer by more than
- * the tie tolerance. Two paths of nearly equal length that arrive at an angle are equally long at a
- * nearby point. The distance to that point is the difference of the lengths, divided by twice the
- * sine of half of the angle. */
+ * the tie tolerance. If two paths of nearly equal length arrive from different directions, both are
+ * equally long at a nearby point. The distance to that point is the difference of the lengths,
+ * divided by twice the sine of half the angle between the directions. */
 
 struct arrival {
     double distance;

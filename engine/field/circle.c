@@ -82,8 +82,8 @@ static struct gd__turn line_above(const struct gd__circle *line, double height, 
                      : (struct gd__turn){1, {{.from = -M_PI, .to = bound}}};
 }
 
-/* Returns the part inside a half-plane with the given unit normal. `height` is the height of the
- * circle's centre above the border. */
+/* Returns the part of the circle inside a half-plane with the given unit normal. `height` is the
+ * height of the circle's centre above the border. */
 static struct gd__turn in_half_plane(const struct gd__circle *circle, struct gd__local normal,
                                      double height)
 {
@@ -156,7 +156,8 @@ static struct gd__turn in_band(const struct gd__circle *circle, const struct gd_
     return gd__turn_both(&above, &below);
 }
 
-/* Returns the part that the source sees and whose distance from it is at most the level. */
+/* Returns the part that the source sees and whose distance from this source is at most the
+ * level. */
 static struct gd__turn seen_by(const struct gd__circle *circle, const struct gd__source *source,
                                double level)
 {
@@ -227,8 +228,9 @@ static bool may_cover(const struct gd__source *source, double level, const struc
                                    gd__local_dot(source->right, u) >= -probe->reach);
 }
 
-/* Returns true if two sources reach the level from opposite sides where they tie. Then neither
- * source lies within the level's distance of the other. */
+/* Returns true if the paths of two sources meet at the level from opposite sides where the sources
+ * tie. Then, at each of the two sources, the distance from the other source is at least the
+ * level. */
 static bool face_each_other(const struct gd__source *a, const struct gd__source *b, double level)
 {
     if (a->linear && b->linear) return gd__local_dot(a->gradient, b->gradient) < 0;

@@ -37,9 +37,10 @@ struct gd__local gd__circle_place(const struct gd__circle *circle, double angle)
  * position's projection onto the line. */
 double gd__circle_angle(const struct gd__circle *circle, struct gd__local at);
 
-/* Computes the spans of source i's circle in the face that the source sees and where no other
- * source is nearer, so that the distance is the level. The spans are sorted and disjoint; the last
- * may extend beyond pi. `covered` is scratch. Error: GD_NO_MEMORY. O(k log k) for k sources. */
+/* Computes the spans of source i's circle that lie in the face, that the source sees, and on which
+ * no other source is nearer. The distance of their points is the level. The spans are sorted and
+ * disjoint; the last may extend beyond pi. `covered` is scratch. Error: GD_NO_MEMORY. O(k log k)
+ * for k sources. */
 GD_MUST_USE enum gd_status gd__circle_arcs(const struct gd__sources *sources, uint32_t i,
                                            double level, struct gd__spans *covered,
                                            struct gd__spans *arcs);

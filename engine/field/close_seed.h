@@ -13,12 +13,11 @@ struct gd__close_seed {
     double distance; /* including the seed's offset */
     uint32_t seed;
     uint32_t side; /* a side of the point's face */
-    /* vector from the seed to the point, in the side's frame, with the seed's face unfolded into
-       its plane */
+    /* vector from the seed to the point, in the side's frame; the seed's face is unfolded into the
+     * plane of the point's face */
     struct gd__local way;
 
-    /* across an edge: distances of the crossing of `side` from the side's origin and from its
-       end */
+    /* across an edge: distances of the crossing from the origin and from the end of `side` */
     double t, rest;
 
     /* around a vertex: polar coordinates of the point and of the seed. If at.vertex is GD_NONE, the

@@ -283,8 +283,8 @@ static enum gd_status search_face(struct search *search, uint32_t face)
     return GD_OK;
 }
 
-/* Returns true if the field has a distance for every seed at a vertex, and for corner 0 of the face
- * of every other seed. */
+/* Returns true if the field has a distance for every seed at a vertex. For every other seed, its
+ * face's corner 0 must have a distance. */
 static bool is_heard_of_all_seeds(const struct gd_field *field)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -300,7 +300,7 @@ static bool is_heard_of_all_seeds(const struct gd_field *field)
 }
 
 /* Returns true if all points with a path to a seed are within the field's reach. If the field
- * reaches only some corners of a face, points of that face may be beyond its reach. */
+ * reaches only some corners of a face, points of that face may be beyond the reach. */
 static bool is_within_reach(const struct search *search)
 {
     const struct gd_field *field = search->field;

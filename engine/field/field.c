@@ -41,7 +41,8 @@ static bool obeys_law(const struct gd_field *field)
 }
 
 /* Lowers the distance of an edge's farther end to that of the path along the edge, if this path is
- * shorter. Applies only to edges shorter than the rounding of the nearer end's distance. */
+ * shorter. Changes only edges that are shorter than the rounding error of the nearer end's
+ * distance. */
 static bool mend_edge(struct gd_field *field, uint32_t side)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -54,10 +55,11 @@ static bool mend_edge(struct gd_field *field, uint32_t side)
     return true;
 }
 
-/* Repairs distances in faces as small as rounding. If windows tie to the last bit, rounding may
- * discard all of them, and vertices keep a distance that is too long, or none. In such small faces
- * paths along edges are equally good. In larger faces, for example around a very thin tube, such
- * distances are not repaired, and the build fails. Distances only decrease, so the loop ends. */
+/* Repairs distances in faces that are as small as the rounding error. If windows tie to the last
+ * bit, rounding may discard all of them, and vertices keep a distance that is too long, or none. In
+ * such small faces paths along edges are equally good. In larger faces, for example around a very
+ * thin tube, such distances are not repaired, and the build fails. Distances only decrease, so the
+ * loop ends. */
 static enum gd_status mend_field(struct gd_field *field)
 {
     bool is_mended = true;

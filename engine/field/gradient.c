@@ -43,8 +43,8 @@ static struct direction from_chord(const struct gd_mesh *mesh, uint32_t face,
 }
 
 /* Returns the direction of a leg that enters its face across a side: from the wedge's source, or
- * from the wedge's end if the leg bends there. If the point lies on this side, the leg arrives
- * through the face on the other side of it. */
+ * from the wedge's end if the leg bends there. If the point lies on this side of the face, the leg
+ * arrives through the neighbouring face. */
 static struct direction through_wedge(const struct gd_mesh *mesh, const struct gd__leg *leg,
                                       const struct gd_point *point)
 {

@@ -8,7 +8,7 @@
  *
  * A distance that equals the level up to rounding counts as not below. This rule is needed because
  * the isoline of a segment may run along whole edges, and may touch other edges between their ends.
- * At a vertex the stored distance decides without slack, so that all its edges agree. */
+ * At a vertex the stored distance decides without slack, so that all edges of the vertex agree. */
 
 static enum gd_status put_place(struct gd__places *places, double t, double length)
 {

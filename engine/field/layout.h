@@ -135,8 +135,8 @@ struct gd__leg {
     enum gd__leg_kind kind;
     uint32_t face; /* the face in which the leg ends */
     uint32_t from; /* the vertex of a GD__LEG_VERTEX, the seed of a GD__LEG_SEED or GD__LEG_CLOSE */
-    /* For GD__LEG_WEDGE, a side of `face`, and (x, -y), y >= 0. This is the source's position in
-       the side's frame, or for a linear wedge the direction towards the source. */
+    /* For GD__LEG_WEDGE: `side` is a side of `face`. In its frame, (x, -y) with y >= 0 is the
+     * source's position, or for a linear wedge the direction towards the source. */
     uint32_t side;
     double parameter, x, y;
     /* The source of the wedge. A leg that bends at the wedge's end bends at `parameter`, and its
@@ -168,8 +168,8 @@ uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex);
 struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point *point);
 
 /* Returns the last leg to a point of an edge where the path to `vertex` bends. In faces as small as
- * rounding, the best path may lead back to `vertex`. The result is then a leg to the nearer end of
- * the edge. */
+ * the rounding error, the best path may lead back to `vertex`. The result is then a leg to the
+ * nearer end of the edge. */
 struct gd__leg gd__field_leg_onward(const struct gd_field *field, const struct gd_point *bend,
                                     uint32_t vertex);
 

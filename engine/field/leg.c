@@ -271,9 +271,9 @@ void gd__field_leg_key(const struct gd_field *field, const struct gd_point *poin
 
 /* --- its last leg ----------------------------------------------------------------------------- */
 
-/* Returns where the straight line crosses the edge. The crossing is computed from the end of the
- * leg that is nearer to the edge, so that the rounding error is relative to the distance of that
- * end from the edge. */
+/* Returns the parameter at which the straight line crosses the edge. The crossing is computed from
+ * the end of the leg that is nearer to the edge, so that the rounding error is relative to the
+ * distance of that end from the edge. */
 static double straight_crossing(const struct gd__wedge_view *wedge_view, const struct gd__window *w)
 {
     if (gd__window_is_linear(w)) return wedge_view->x + w->x * (wedge_view->y / w->y);
@@ -283,10 +283,11 @@ static double straight_crossing(const struct gd__wedge_view *wedge_view, const s
                                 : wedge_view->x - dx * (wedge_view->y / dy);
 }
 
-/* Returns where the path through a wedge, given as a window of the view's side, crosses the edge:
- * on the straight line, or at the wedge's nearer end. Stored ends are rounded to one unit.
- * Therefore a crossing within two units of an end counts as inside, unless the wedge is linear: the
- * neighbouring wedge gives an equally short path there. */
+/* Returns the parameter at which the path through a wedge crosses the edge: on the straight line,
+ * or at the wedge's nearer end. The wedge is given as a window of the view's side. Stored ends are
+ * rounded to one unit. Therefore a crossing within two units of an end counts as inside, because
+ * the neighbouring wedge gives an equally short path there. This does not apply to linear
+ * wedges. */
 static double wedge_crossing(const struct gd__wedge_view *wedge_view,
                              const struct gd__window *wedge)
 {

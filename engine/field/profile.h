@@ -18,8 +18,9 @@ struct gd__profile {
     double length;
 };
 
-/* Computes the profile of the segment from a to b, different points of one face. Parts without a
- * path have no windows. Error: GD_NO_MEMORY. O(k log k) for k wedges of the face's edges. */
+/* Computes the profile of the segment from a to b, which are different points of one face. Parts
+ * without a path have no windows. Error: GD_NO_MEMORY. O(k log k) for k wedges of the face's
+ * edges. */
 GD_MUST_USE enum gd_status gd__profile_of(const struct gd_field *field, const struct gd_point *a,
                                           const struct gd_point *b, struct gd__profile *profile);
 void gd__profile_destroy(struct gd__profile *profile);

@@ -178,14 +178,14 @@ static struct gd__stop follow_to_point(struct gd__path_builder *builder, struct 
 /* --- careful rays ----------------------------------------------------------------------------- */
 
 /* The error of a ray grows with the length of its leg, not with the size of the face. In faces much
- * smaller than the leg, rounding can take the ray past the wrong side of a vertex, or past its
+ * smaller than the leg, rounding can move the ray to the wrong side of a vertex, or past its
  * source. A careful ray goes through every such vertex. The detour is of second order, and the
  * predecessor of the vertex is accurate because the vertex is near to the source. */
 
 /* Returns the vertex within the margin of the crossing where a ray leaves its face, or GD_NONE.
- * `gone` is the length of the leg up to the crossing, `rest` its length from there to the source.
- * Each vertex must be nearer to the source than the previous one; otherwise, in faces smaller than
- * the rounding of distances, the path would circle. */
+ * `gone` is the length of the leg up to the crossing, `rest` the length from the crossing to the
+ * source. Each vertex must be nearer to the source than the previous one; otherwise, in faces
+ * smaller than the rounding of distances, the path would circle. */
 static uint32_t vertex_beside(const struct gd__path_builder *builder, const struct gd__ray *ray,
                               double gone, double rest)
 {

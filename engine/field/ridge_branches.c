@@ -4,8 +4,8 @@
 #include "mesh/union_find.h"
 
 /* Branches of the graph of ridges. A branch is a chain of parts between two nodes. At each of these
- * nodes, one part ends or three or more parts meet. A branch is dropped if its greatest angle is
- * below `min_angle`. */
+ * two nodes, either a single part ends, or at least three parts meet. A branch is dropped if its
+ * greatest angle is below `min_angle`. */
 
 /* Scratch: an entry for each part. */
 struct work {

@@ -154,8 +154,8 @@ static struct gd__local move_to_side(const struct gd__face_frame *frame,
 }
 
 /* Computes the precise position of an end. `third` is the source that is nearer beyond the end, or
- * GD__SPAN_OPEN at a border of the face or of a view. A related third source is not nearer beyond
- * the end: there, the end lies at the border of a view. */
+ * GD__SPAN_OPEN at a border of the face or of a view. If the third source is related, it is not
+ * nearer beyond the end; such an end lies at the border of a view. */
 static struct gd__local refine_end(const struct work *work, const struct pair *pair, uint32_t third,
                                    struct gd__local at, double beside)
 {
@@ -206,9 +206,9 @@ static int side_along(const struct work *work, const struct gd__ridge_end end[2]
 
 /* --- a part ----------------------------------------------------------------------------------- */
 
-/* Returns true if both paths to a position are longer than rounding, and no third source is nearer.
- * Rounding may leave a false part where wedges do not quite join. The two sides of one segment have
- * no ridge along the segment. */
+/* Returns true if both paths to a position are longer than the rounding error, and no third source
+ * is nearer. Rounding may leave a false part where wedges do not quite join. The two sides of one
+ * segment have no ridge along the segment. */
 static bool is_ridge(const struct work *work, const struct pair *pair, struct gd__local at)
 {
     const struct gd__sources *sources = work->sources;

@@ -195,8 +195,8 @@ static double sure_reach(const struct gd__ridges *ridges, uint32_t part)
     return (part < ridges->first_along ? GD_TOL_NODE : 10 * GD_TOL_CHECK) * size_at(ridges, part);
 }
 
-/* Returns a bound of the rounding of a part's ends. The bound grows as the angle decreases. Two
- * loose ends that are at most this far apart are ends of one ridge. */
+/* Returns a bound of the rounding error of a part's ends. The bound grows as the angle decreases.
+ * Two loose ends that are at most this far apart are ends of one ridge. */
 static double rounding_at(const struct gd__ridges *ridges, uint32_t part)
 {
     double size = size_at(ridges, part);
@@ -209,8 +209,8 @@ static double rounding_at(const struct gd__ridges *ridges, uint32_t part)
 
 /* --- joining ---------------------------------------------------------------------------------- */
 
-/* Returns the point seed at the end of a part, or NULL. A ridge may begin at such a seed if it is a
- * joint of a curve. */
+/* Returns the point seed at the end of a part, or NULL. A ridge may begin at such a seed if the
+ * seed is a joint of a curve. */
 static const struct gd__seed *seed_at(const struct gd__ridges *ridges, uint32_t part,
                                       const struct gd_point *point)
 {

@@ -29,8 +29,8 @@ struct gd__view {
 struct gd__view gd__source_view(const struct gd_field *field, const struct gd__face_frame *frame,
                                 const struct gd__source *source, double nudge);
 
-/* Returns true if `other` cannot compete in a view: it does not see the view, or is farther
- * everywhere in it. */
+/* Returns true if `other` cannot compete in a view: it does not see the view, or it is farther than
+ * the view's source at every point of the view. */
 bool gd__view_is_beyond(const struct gd__view *view, const struct gd__source *other);
 
 /* Both functions reduce the spans in `turn`, and return false if no span is left. The spans that

@@ -197,8 +197,8 @@ static enum gd_status try_path(const struct gd_field *field, const struct gd_poi
 
 enum { CAREFUL_ATTEMPTS = 7 };
 
-/* Retries with a path via a neighbouring vertex. In faces not larger than rounding errors, a ray
- * may run in a circle; a path via a neighbouring vertex is then equally short. The check of the
+/* Retries with a path via a neighbouring vertex. If faces are not larger than the rounding error, a
+ * ray may run in a circle. A path via a neighbouring vertex is then equally short. The check of the
  * length rejects a longer path. */
 static enum gd_status path_by_neighbours(const struct gd_field *field, const struct gd_point *point,
                                          const struct gd__leg *leg, struct gd_path *out,

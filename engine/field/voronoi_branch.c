@@ -125,8 +125,8 @@ static struct gd__turn point_lost_to_point(const struct gd__branch *branch,
     return where(branch, along(b, -g, branch->slope), l + g * branch->rest);
 }
 
-/* Solves l + r g u < r, where l is the line's distance at the branch's centre, minus the point's: 1
- * - g u > l / r. */
+/* Solves l + r g u < r, where l is the distance of the line minus that of the point, at the
+ * branch's centre. Divided by r: (1 - g u) > l / r. */
 static struct gd__turn point_lost_to_line(const struct gd__branch *branch,
                                           const struct gd__focus *third, double slack)
 {

@@ -67,10 +67,10 @@ double gd__branch_width(const struct gd__branch *branch);
 struct gd__local gd__branch_place(const struct gd__branch *branch, double angle);
 
 /* Return spans of angles. gd__branch_turn returns the angles where the branch exists.
- * gd__branch_beyond returns the angles where the branch lies on the side of `normal` of the line
- * through `through`. gd__branch_lost_to returns the angles where a third source is nearer by more
- * than `slack`. If `slack` is negative, the third source may also be farther, by less than
- * -slack. */
+ * gd__branch_beyond returns the angles where the branch lies on one side of the line through
+ * `through`: the side to which `normal` points. gd__branch_lost_to returns the angles where a third
+ * source is nearer by more than `slack`. If `slack` is negative, the third source may also be
+ * farther, by less than -slack. */
 struct gd__turn gd__branch_turn(const struct gd__branch *branch);
 struct gd__turn gd__branch_beyond(const struct gd__branch *branch, struct gd__local normal,
                                   struct gd__local through);

@@ -99,8 +99,8 @@ static bool are_of_same_two(const struct gd__loose_end *a, const struct gd__loos
     return a->member[0] == b->member[0] && a->member[1] == b->member[1];
 }
 
-/* Returns the nearest end at a triple point of the same three members. The end must separate
- * another pair of members than `first`, and than `second` unless that is NULL. Returns NULL if no
+/* Returns the nearest end at a triple point of the same three members. The end must separate a pair
+ * of members that neither `first` nor `second` separates; `second` may be NULL. Returns NULL if no
  * such end is near enough. */
 static struct gd__loose_end *find_partner(const struct work *work,
                                           const struct gd__loose_end *first,

@@ -112,8 +112,8 @@ static enum gd_status assign_seeds(const struct gd_field *field, const uint32_t 
 
 /* --- vertices --------------------------------------------------------------------------------- */
 
-/* Returns the pseudo-source behind a vertex, without the bit for linear sources, or GD_NONE if
- * there is none. */
+/* Returns the pseudo-source from which the last leg to a vertex comes, without the bit for linear
+ * sources. Returns GD_NONE if there is none. */
 static uint32_t source_behind(const struct gd_field *field, uint32_t vertex)
 {
     uint32_t source = gd__field_source_behind(field, vertex);

@@ -1,6 +1,6 @@
 /* The view kernel for one set of vector instructions (lanes). wedge_view_plain.c, wedge_view_avx2.c
- * and wedge_view_avx512.c include it after the lanes' primitives (kernel/lanes_*.h). They define
- * these additional primitives:
+ * and wedge_view_avx512.c include it after the lanes' primitives (kernel/lanes_*.h). Each of these
+ * files defines these additional primitives:
  *     load_first, starts_first,
  *     ids_first                  read the first lanes; other lanes are undefined
  *     load_packed                reads x, y and the sources of a packed chunk; gd__wedge_zero must

@@ -15,7 +15,8 @@
  * this far apart. */
 #define ROUNDED (2 * GD__WEDGE_UNIT)
 
-/* Dropped pieces leave gaps up to this width: the wedge before the gap is extended over it. */
+/* Dropped pieces leave gaps of at most this width. The wedge before such a gap is extended over the
+ * gap. */
 #define NARROW (4 * ROUNDED)
 
 struct merger {
