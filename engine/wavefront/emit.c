@@ -179,9 +179,9 @@ void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 /* --- seeds beside a vertex -------------------------------------------------------------------- */
 
 /* A seed beside a vertex, and the angles around the vertex into which it emits, in radians. At a
- * convex vertex, the paths that pass the vertex on its two sides meet, equally long, at half of the
- * total angle from the seed. At other vertices, the cone ends at the angle pi on each side, or at
- * the boundary. */
+ * convex vertex, paths pass the vertex on both sides. They meet where they are equally long: at
+ * half of the total angle from the seed. At other vertices, the cone ends at the angle pi on each
+ * side, or at the boundary. */
 struct beside {
     struct emitter emitter;
     struct gd__polar polar;

@@ -16,9 +16,9 @@ void gd__segment_place(const struct gd__wavefront *front, struct gd__placed_segm
                                       gd__edge_parameter(mesh, placed->edge, &s->point));
 }
 
-/* Removes the part of the side that is ahead of the joint (not behind it) in the direction of one
- * segment. `first` and `last` are the positions of the side's ends in this direction, relative to
- * the joint. */
+/* Removes the part of the side that is not behind the joint with respect to one segment. `first`
+ * and `last` are the positions of the side's ends relative to the joint, along the direction of the
+ * segment. */
 static void keep_behind(struct gd__part *part, double first, double last)
 {
     if (first <= 0 && last <= 0) return;

@@ -146,7 +146,7 @@ static inline bool gd__is_ahead(const struct gd__segment_directions *directions,
 }
 
 /* Returns true if the two segments form a straight line at the joint. Then only the points of one
- * line are behind both. */
+ * line, the perpendicular at the joint, are behind both segments. */
 static inline bool gd__is_straight(const struct gd__segment_directions *directions)
 {
     const struct gd__local *a = &directions->along[0], *b = &directions->along[1];

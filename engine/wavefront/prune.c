@@ -8,7 +8,7 @@
  *
  * A wedge stores its source, not the source's distance when it was stored. If that distance has
  * decreased since, the wedge was propagated with the longer distance, but its distances are now
- * computed with the decreased one. So the wedge would tie with the windows that the source has
+ * computed with the shorter one. So the wedge would tie with the windows that the source has
  * emitted again, and would prune these windows, although they must propagate. Therefore chunks
  * older than the source's present distance are skipped, and waiting windows with an older distance
  * are dropped before they are stored. */
