@@ -44,9 +44,9 @@ enum gd_status gd__children_grow(struct gd__children *children, struct gd__pool 
 #define BEFORE_TANGLE 4
 
 /* Sorts windows [base, count) into scratch->stack[0]. The windows before children->tangled are
- * already sorted. Stops at the first window after the last tangled one that overlaps no earlier
- * window. *rest is the index of this window. This window and all later ones stay unchanged. Returns
- * false if a window belongs before `base`. */
+ * already sorted. Stops at the first window that follows the last tangled one and overlaps no
+ * earlier window. *rest is the index of this window. This window and all later ones stay unchanged.
+ * Returns false if a window belongs before `base`. */
 static bool untangle_from(const struct gd__children *children, uint32_t base, double min_width,
                           struct gd__scratch *scratch, uint32_t *rest, enum gd_status *status)
 {

@@ -2,7 +2,7 @@
 
 #include "gd/polygons.h"
 
-/* As store_packed of the kernels. A source beyond the edge's line keeps y > 0. */
+/* Does the same as store_packed of the kernels. A source beyond the edge's line keeps y > 0. */
 static void put_packed(const struct gd__wedges *wedges, uint32_t i, double x, double y,
                        uint32_t source)
 {
@@ -99,7 +99,7 @@ static double half_tangent(double x, double y)
     return x > 0 ? y / (1 + x) : (1 - x) / y;
 }
 
-/* Returns true if a linear window is not empty after its ends are rounded inwards. */
+/* Returns true if a linear window is not empty when its ends have been rounded inwards. */
 static bool window_has_inside(const struct writer *writer, const struct gd__window *w)
 {
     return round_up(w->b0 * writer->units) < round_down(w->b1 * writer->units);

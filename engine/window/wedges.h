@@ -28,8 +28,8 @@ struct gd__chunk {
     uint32_t exponent : 7; /* packed forms: see GD__WEDGE_BIAS */
     /* 1 if the chunk's windows belong to side 1, 0 if they belong to side 0 */
     uint32_t is_far : 1;
-    /* 1 if the offset of the next older chunk of the same edge, which is less than the offset of
-       this chunk, follows the arrays */
+    /* 1 if the arrays are followed by the offset of the next older chunk of the same edge; that
+     * offset is less than this chunk's own */
     uint32_t has_previous : 1;
     uint32_t form : 2;
     uint32_t data[]; /* the arrays of struct gd__wedges */
@@ -73,7 +73,7 @@ struct gd__wedges {
 #define GD__WEDGE_BIAS       64 /* added to exponents */
 #define GD__WEDGE_DETOUR     4  /* see gd__wedges_fit */
 
-/* What is added to pack, and the exponent's bits that unpacking restores. */
+/* The numbers that are added to pack x and y, and the exponent bits that unpacking restores. */
 struct gd__wedge_zero {
     double x, y;
     uint64_t x_bits, y_bits;
@@ -124,7 +124,7 @@ static inline double gd__wedge_nearest(double x, double y, double sigma, double 
 }
 
 /* Returns the exponent of a packed chunk, plus GD__WEDGE_BIAS. `farthest` is the largest |x| or y
- * of its windows. The exponent also bounds length - x, and what rounding adds. */
+ * of its windows. 2^exponent also bounds length - x and the rounding error. */
 static inline int gd__wedge_exponent(double farthest, double length)
 {
     double reach = (farthest + length) * (1 + 0x1p-40);
@@ -169,7 +169,7 @@ static inline size_t gd__chunk_link(struct gd__chunk *chunk, uint32_t previous)
     return (end + 4 * (size_t)has_previous + 7) & ~(size_t)7;
 }
 
-/* Clears the padding behind the arrays, or more. */
+/* Clears at least the padding behind the arrays. */
 static inline void gd__chunk_pad(struct gd__chunk *chunk)
 {
     memset((char *)chunk + gd__chunk_end(chunk), 0, 12);
