@@ -57,9 +57,10 @@ struct gd__kernel {
                  struct gd__children *right);
 
     /* Returns a lower bound of the lengths of paths from a position through the edges of a ring to
-     * the target. The ring consists of the groups from `first` to before `end`. On a part of an
-     * edge between two such positions, not longer than `own`, the linear interpolation of their
-     * results is also a lower bound. Returns GD__RING_NOWHERE if there is no path. */
+     * the target. The ring consists of the groups from `first` to before `end`. On the part of an
+     * edge between two such positions, the linear interpolation of their results is also a lower
+     * bound, if this part is not longer than `own`. Returns GD__RING_NOWHERE if there is no
+     * path. */
     float (*ring)(const struct gd__ring_group *first, const struct gd__ring_group *end,
                   struct gd__place place, float own);
 };

@@ -47,7 +47,7 @@ static mask contest_middle(mask may, struct sources c, struct sources o, lanes l
     return either(owner, challenger);
 }
 
-/* Returns true in the lanes where n / d lies in (0, span) and on the branch, without a division. */
+/* Returns true in the lanes where n / d lies in (0, span) and on the branch. Divides nothing. */
 static inline mask is_on_branch(lanes p, lanes q, lanes n, lanes d, lanes span, lanes sign,
                                 lanes least)
 {

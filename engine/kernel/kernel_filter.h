@@ -1,5 +1,5 @@
 /* Part of kernel_lanes.h: filters windows. */
-/* Moves the windows in the mask `keep` from index `from` to index `to`, which is not larger. */
+/* Moves the windows in the mask `keep` from index `from` to index `to` <= `from`. */
 static uint32_t close_ranks(const struct gd__windows *w, uint32_t from, uint32_t to, mask keep)
 {
     store(w->b0 + to, compress(keep, load(w->b0 + from)));

@@ -56,7 +56,7 @@ static inline mask mask_of(uint32_t set)
 }
 static inline mask first_lanes(uint32_t count)
 {
-    /* by comparison: a branch would be mispredicted half of the time */
+    /* a comparison, because a branch would be mispredicted half of the time */
     const __m256i place = _mm256_set_epi64x(3, 2, 1, 0);
     return _mm256_castsi256_pd(_mm256_cmpgt_epi64(_mm256_set1_epi64x(count), place));
 }

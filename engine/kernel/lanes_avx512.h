@@ -32,7 +32,7 @@ static inline void store(double *p, lanes a)
 }
 static inline mask first_lanes(uint32_t count)
 {
-    /* by comparison: a branch would be mispredicted half of the time */
+    /* a comparison, because a branch would be mispredicted half of the time */
     const __m256i place = _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0);
     return _mm256_cmpgt_epu32_mask(_mm256_set1_epi32((int)count), place);
 }

@@ -167,7 +167,7 @@ static inline void store_starts(uint32_t *p, lanes start)
     *p = (uint32_t)start;
 }
 
-/* Returns the smallest lane, the largest lane. */
+/* Return the smallest and the largest lane. */
 static inline double least_of(lanes a)
 {
     return a;
@@ -202,7 +202,7 @@ static inline struct packed packed(lanes x, lanes y, ids source)
     return (struct packed){word, y_bits, source};
 }
 
-/* Stores what `start` and `word` do not hold. */
+/* Stores the bits of a wedge that `start` and `word` do not hold. */
 static inline void store_rest(const struct gd__wedges *to, uint32_t at, const struct packed *p)
 {
     to->high[at] = (uint32_t)(p->y >> GD__WEDGE_HIGH_SHIFT);
