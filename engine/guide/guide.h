@@ -72,7 +72,7 @@ size_t gd__guide_held(const struct gd__guide *guide);
  * next vertex for each vertex of the path. */
 uint32_t gd__guide_first(const struct gd__guide *guide, const struct gd_point *from);
 
-/* Estimates the cost of a search from the path that was found. Returns true if a search from the
+/* Estimates the costs of two searches by the path that was found. Returns true if a search from the
  * target to `from` is probably cheaper than a search from `from` to the target. O(vertices of the
  * path). */
 bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point *from);

@@ -56,8 +56,8 @@ static struct gd__place place_of(const struct gd__guide *guide, uint32_t vertex)
 }
 
 /* Returns a lower bound of the distance from a point to the target, computed from one ring and
- * divided by the search's bound. On a part of an edge between two such points, not longer than
- * `own`, the linear interpolation of their results is also a lower bound. */
+ * divided by the search's bound. On the part of an edge between two such points, the linear
+ * interpolation of their results is also a lower bound, if this part is not longer than `own`. */
 static float by_ring(const struct gd__rings *rings, uint32_t number, struct gd__place p, float own)
 {
     const struct gd__ring_group *group = rings->group;
@@ -117,8 +117,8 @@ static double longest_edge_at(const struct gd_mesh *mesh, uint32_t vertex)
 }
 
 /* Returns true if no path within the bound passes through a face of the vertex. `rest` is a lower
- * bound of the distance from the vertex to the target. The function uses that each point of these
- * faces is at most as far from the vertex as the longest edge at the vertex. */
+ * bound of the distance from the vertex to the target. No point of these faces is farther from the
+ * vertex than the length of the longest edge at the vertex. */
 static bool is_out_of_the_way(const struct growth *growth, uint32_t vertex, double rest)
 {
     const struct gd__guide *guide = growth->guide;
