@@ -1,7 +1,7 @@
 /* Bounding volume hierarchy (BVH): bounding boxes over the faces. The faces are in Morton order (an
  * order in which neighbours in space get close numbers), so the tree needs no pointers. Level 0 has
- * a box for every GD_BVH_LEAF consecutive faces. Each further level has one for every GD_BVH_WIDTH
- * boxes of the level below, up to a single box. */
+ * a box for every GD_BVH_LEAF consecutive faces. Each further level has a box for every
+ * GD_BVH_WIDTH boxes of the level below. The last level has a single box. */
 #ifndef GD_MESH_BVH_H
 #define GD_MESH_BVH_H
 

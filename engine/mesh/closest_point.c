@@ -44,7 +44,7 @@ struct face_foot {
     struct gd_vec3 position;
 };
 
-/* Returns the foot of the perpendicular from q. Computes it from the areas of the triangles that it
+/* Returns the foot of the perpendicular from q. Computes it from the areas of the triangles that q
  * forms with the edges. */
 static struct face_foot foot_in_plane(const struct corners *c, struct gd_vec3 q)
 {

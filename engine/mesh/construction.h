@@ -43,8 +43,8 @@ struct gd__construction {
     /* number of vertices that repair appended; mesh->copy_of has the originals of these copies */
     uint32_t copy_count;
 
-    /* mesh->face_count triples of vertex indices; the input's corners, which no step changes, if
-       they are triangles and nothing is merged or repaired */
+    /* mesh->face_count triples of vertex indices. If the input has only triangles, and nothing is
+     * merged or repaired, this is the input's own array of corners, which no step changes. */
     uint32_t (*triangle)[3];
     uint32_t (*corner)[3]; /* for each face, its vertices; counter-clockwise from gd__orient on */
     /* for side 3 f + k (from corner k of face f to corner k + 1), the same side in the neighbouring

@@ -149,7 +149,8 @@ struct heading {
 
 static const struct heading nowhere = {.outside = INFINITY};
 
-/* Adds a multiple of 2 pi to the angle, such that the result is nearest to the sector. */
+/* Returns the angle plus the multiple of 2 pi that brings it nearest to the sector's range [0,
+ * extent]. */
 static double nearest_turn(double angle, double extent)
 {
     return remainder(angle - 0.5 * extent, 2 * M_PI) + 0.5 * extent;

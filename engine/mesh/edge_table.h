@@ -33,8 +33,8 @@ enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_
                                      struct gd__edge_table *out);
 void gd__edge_table_free(struct gd__edge_table *table);
 
-/* The sides of one edge. An iteration begins with a zeroed struct; to begin at a lower vertex v,
- * with `low` = v and `begin` = table->first[v]. */
+/* The sides of one edge. An iteration begins with a zeroed struct. To begin with the edges of a
+ * lower vertex v, set `low` = v and `begin` = table->first[v]. */
 struct gd__edge_run {
     uint32_t low, high;    /* vertices of the edge */
     uint32_t begin, count; /* the edge's sides are table->use[begin, begin + count) */

@@ -73,7 +73,7 @@ struct gd__chord gd__chord(const struct gd_mesh *mesh, uint32_t face, int k,
 void gd__chords(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *a,
                 const struct gd_point *b, struct gd__chord out[3]);
 
-/* Returns the position along the chord of the foot of the perpendicular from a point. */
+/* Projects a point onto the chord's line. Returns the length along the chord to this projection. */
 static inline double gd__chord_foot(const struct gd__chord *chord, struct gd__local at)
 {
     return (at.x - chord->from.x) * chord->along.x + (at.y - chord->from.y) * chord->along.y;
