@@ -28,8 +28,8 @@ static void add_duplicate(const struct gd__construction *work, uint32_t f, uint3
     gd__offenders_add(&findings->duplicates, a > b ? a : b, 0, a > b ? b : a);
 }
 
-/* Returns true if the two faces of an edge have the same vertices, unless another of their edges
- * has lower vertices. */
+/* Returns true if the two faces of an edge have the same vertices, and this edge joins the two
+ * lowest of them. */
 static bool is_duplicate(const struct gd__construction *work, const struct gd__edge_use pair[2])
 {
     uint32_t apex = opposite_corner(work, pair[0].side);
