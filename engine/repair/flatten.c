@@ -5,8 +5,9 @@
  *
  *   needle  the shortest edge is below GD_TOL_FLAT of the longest one: its ends are merged, and the
  *           faces at the edge vanish. A round that merges vertices handles no caps, because
- *           connectivity must be rebuilt first. A face that is slightly too wide for a needle can
- *           be flat after any flip. So after PATIENT_ROUNDS rounds the bound is ten times as large.
+ *           connectivity must be rebuilt first. A face that is slightly too wide for a needle may
+ *           stay flat after every flip. So after PATIENT_ROUNDS rounds the bound is ten times as
+ *           large.
  *   cap     the corner opposite to the longest edge lies on that edge, well between its ends: the
  *           edge is flipped in the quadrilateral with the neighbour. If the longest edge does not
  *           have exactly one neighbour, the cap is removed. The surface stays the same, and the two
