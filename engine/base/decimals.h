@@ -59,7 +59,7 @@ gd__decimals_kernel *gd__decimals_kernel_here(void);
 
 /* The reals that round to a double c 2^q, 2^52 <= c < 2^53, form an interval. Its length is 2^q,
  * and its upper end is (c + 1/2) 2^q. Let 10^k be the least power of ten above 2^q. In units of
- * 10^k, the upper end is (2c + 1) 2^8 / 2^128 times the scale, and the length is 0.1 to 1. */
+ * 10^k, the upper end is ((2c + 1) 2^8 / 2^128) times the scale, and the length is 0.1 to 1. */
 struct gd__decimal_scale {
     uint64_t high; /* upper 64 bits of the scale; `low` is the 32 bits below them */
     /* `width` is the interval's length in units of 10^k, times 2^32, rounded down */

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-/* The finaliser of splitmix64: every bit of `x` changes every bit of the result. */
+/* The finaliser of splitmix64: every bit of `x` influences every bit of the result. */
 static inline uint64_t gd__hash(uint64_t x)
 {
     x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;

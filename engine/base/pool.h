@@ -29,8 +29,8 @@ struct gd__pool {
 void gd__pool_init(struct gd__pool *pool, size_t item_size, struct gd__budget *budget);
 void gd__pool_destroy(struct gd__pool *pool);
 
-/* Releases all blocks, as if the pool were new. Keeps the newest chunk, and charges the budget for
- * it, if it is the only chunk or has the largest size. Otherwise frees all chunks; the next chunk
+/* Releases all blocks, as if the pool were new. If the newest chunk is the only one or has the
+ * largest size, keeps it and charges the budget for it. Otherwise frees all chunks; the next chunk
  * is then as large as all freed chunks together. So if the same work is repeated, the second run
  * allocates one chunk, and later runs use this chunk without page faults. The pool may be all
  * zero. */

@@ -1,5 +1,5 @@
 /* The tolerances of the engine, each with its reason. A tolerance that only one file of `nurbs` or
- * `loops` uses, for an iteration or a check, may be a named constant in this file. No code of the
+ * `loops` uses, for an iteration or a check, may be a named constant in that file. No code of the
  * engine compares with a literal epsilon. */
 #ifndef GD_BASE_TOLERANCE_H
 #define GD_BASE_TOLERANCE_H
@@ -15,15 +15,15 @@
  * Inside a wider overlap one of the windows may give a shorter distance. */
 #define GD_TOL_TIE_FACTOR 1024
 
-/* A window is stale if the distance of its source has decreased since the source cast the window,
- * by more than this times the window's distance. The source casts new windows, which replace the
- * stale one. The tolerance is ten times GD_TOL_BETTER, so that a single tie of a contest makes no
- * window stale. */
+/* A window is stale if, since its source cast it, the distance of the source has decreased by more
+ * than this times the window's distance. The source casts new windows, which replace the stale one.
+ * The tolerance is ten times GD_TOL_BETTER, so that a single tie of a contest makes no window
+ * stale. */
 #define GD_TOL_STALE 1e-13
 
 /* A window narrower than this part of its edge is dropped. In the gap, distances come from paths
  * that bend at the ends of the neighbouring windows. The error is of second order in the angle that
- * the gap subtends, at most GD_TOL_WIDTH / GD_TOL_FLAT. */
+ * the gap subtends. This angle is at most GD_TOL_WIDTH / GD_TOL_FLAT. */
 #define GD_TOL_WIDTH 1e-13
 
 /* Replaces GD_TOL_WIDTH if there are several seeds. A seed close to an edge may see the edge
@@ -60,8 +60,8 @@
  * there is no root if the discriminant is farther below zero than this part of b^2. BRANCH: a root
  * may miss the branch condition by this part of the condition's terms. ROOT_RESIDUAL: a candidate
  * is a root if the two distances differ by at most this part. One step of Newton's method improves
- * a root. POLISH_SLOPE: no step is made at a smaller slope, because at a double root it would be
- * far too large. POLISH_STEP: a step of more than this part of the interval is not made.
+ * a root. POLISH_SLOPE: no step is made at a smaller slope, because near a double root the step
+ * would be far too large. POLISH_STEP: a step of more than this part of the interval is not made.
  * ROOT_SEPARATION: closer roots count as one. */
 #define GD_TOL_DISCRIMINANT    1e-12
 #define GD_TOL_BRANCH          1e-10
@@ -135,8 +135,8 @@
  * angle well enough for distances with an error of 1e-9. */
 #define GD_TOL_CORNER 4e-12
 
-/* A caller's barycentrics may differ from a sum of one, and its t may lie outside [0,1], by this
- * much. More is an error. */
+/* The sum of a caller's barycentric coordinates may differ from one by at most this, and a caller's
+ * t may lie outside [0,1] by at most this. More is an error. */
 #define GD_TOL_INPUT 1e-9
 
 /* A mesh is graded if its shortest edge is less than this part of the longest one. */
@@ -156,8 +156,8 @@
 #define GD_TOL_PLACE    4e-15
 
 /* The nudge of a Voronoi diagram increases each member's distance, by a different amount for each
- * member. The amounts are less than this part of the field's greatest distance. It is well above
- * the rounding of ties and well below the promised precision. */
+ * member. The amounts are less than this part of the field's greatest distance. This part is well
+ * above the rounding error of ties and well below the promised precision. */
 #define GD_TOL_TIE 1e-11
 
 /* Nodes of a diagram are searched within this distance of their nudged positions, relative to the
@@ -175,7 +175,8 @@
  * Rounding moves a ridge of this angle by about 1e-6 of its distance. */
 #define GD_TOL_RIDGE 1e-6
 
-/* Loose ends of ridges are joined over at most this part of the face. */
+/* Loose ends of ridges are not joined if they are farther apart than this part of the size of the
+ * face. */
 #define GD_TOL_RIDGE_GAP 1e-2
 
 /* If an end of a ridge is this near to an edge, a vertex or another end, it is moved there.
@@ -187,8 +188,8 @@
 #define GD_TOL_SPAN 0x1p-52
 
 /* To close gaps due to rounding, the strip that a segment source sees may be widened by this part
- * of the distance from the segment. Distances in the added part are too short by at most half this
- * part of the added width. */
+ * of the distance from the segment. Distances in the added margin are too short by at most half of
+ * GD_TOL_LENGTHENED times the width of the margin. */
 #define GD_TOL_LENGTHENED 1e-3
 
 /* Ends of arcs within this distance of each other, relative to the face, are matched first. The
@@ -217,9 +218,9 @@
 
 /* A straight line goes through a vertex if it passes this close to the vertex. The tolerance is
  * relative to the crossed edge or to the line's length so far, whichever is shorter; GD_TOL_PLACE
- * of the edge is added. The line's end is put on an edge or a vertex this close, relative to the
- * shorter of the edge and the line. This is also the largest angle by which a direction may miss a
- * boundary edge and still run along it. */
+ * of the edge is added. If an edge or a vertex is this close to the line's end, relative to the
+ * shorter of the edge and the line, the end is moved there. This is also the largest angle by which
+ * a direction may miss a boundary edge and still run along it. */
 #define GD_TOL_HIT 1e-12
 
 /* This part of the length of a walk is added to GD_TOL_HIT, because each unfolded face adds
@@ -405,8 +406,8 @@
  * (kernel/kernel_ring.h), relative to the search's bound. No coordinate exceeds this bound. */
 #define GD_TOL_RING 2e-6
 
-/* If a point of a ring is nearer to a place than this, relative to the search's bound, this value
- * is used as the distance. It avoids a division by zero, and is far below GD_TOL_RING. */
+/* If a position is nearer to a point of a ring than this, relative to the search's bound, this
+ * value replaces their distance. It avoids a division by zero, and is far below GD_TOL_RING. */
 #define GD_TOL_RING_NEAR 1e-9
 
 /* If a curve turns by less than this angle, in radians, at the joint of two segments, the joint
@@ -416,19 +417,19 @@
  * to the joint. */
 #define GD_TOL_ONWARD 1e-10
 
-/* Rounding of the foot of the joint's perpendicular, relative to the lengths of its face's
- * sides. */
+/* Rounding error of the foot of a perpendicular from a corner of a face to a segment of a curve,
+ * relative to the lengths of the face's sides. */
 #define GD_TOL_ONWARD_ROUNDING 2e-15
 
 /* Curves of a trimming loop meet if their ends are this close, relative to the domain's width.
  * Files of CAD systems hold about ten digits. */
 #define GD_TOL_LOOP_CLOSED 1e-8
 
-/* A parameter on a loop this close to the end of a span is that end. */
+/* If a parameter on a loop is this close to the end of a span, it counts as that end. */
 #define GD_TOL_LOOP_PLACE 1e-12
 
-/* A place may lie this far outside a trimmed domain, relative to the domain's width: twice the
- * rounding of places that are computed on a loop, stored and read again. */
+/* A place may lie this far outside a trimmed domain, relative to the domain's width. This is twice
+ * the rounding error of a place that was computed on a loop, stored and read again. */
 #define GD_TOL_TRIMMED 1e-9
 
 /* A path in a trimmed domain is taut if it meets and leaves loops at angles below this. The error
@@ -447,8 +448,9 @@
  * with the loop. */
 #define GD_TOL_LEAVES 1e-8
 
-/* A path can follow a loop only where the loop does not bend away from the obstacle. A geodesic
- * curvature that bends away by at most this much, times the surface's size, counts as straight. */
+/* A path can follow a loop only where the loop does not bend away from the obstacle. The loop
+ * counts as straight if its geodesic curvature away from the obstacle, times the surface's size, is
+ * at most this. */
 #define GD_TOL_PRESSING 1e-7
 
 #endif
