@@ -20,7 +20,7 @@ struct gd__builder {
     uint32_t index_base;
     const char *next_look; /* position of the scan at which the control is checked next */
     double done;           /* fraction of the reading that was last reported to the control */
-    /* true if the input has vertices before this builder's part, whose number is unknown */
+    /* true if the input has vertices before this builder's part; their number is unknown */
     bool is_part;
 
     double (*positions)[3];
@@ -77,8 +77,8 @@ GD_MUST_USE enum gd_status gd__builder_add_index(struct gd__builder *builder, do
                                                  const char *at);
 
 /* Handles an invalid element at the position `at` that the reader can skip. If limits.skipped is
- * set, records its line there and returns GD_OK. Otherwise fails with `status` and the formatted
- * sentence. */
+ * set, records the element's line in limits.skipped and returns GD_OK. Otherwise fails with
+ * `status` and the formatted sentence. */
 GD_MUST_USE enum gd_status gd__builder_skip(struct gd__builder *builder, const char *at,
                                             enum gd_status status, const char *format, ...)
     __attribute__((format(printf, 4, 5)));

@@ -193,8 +193,8 @@ enum gd_status gd__gltf_accessor_count(const struct gd__gltf *gltf, uint32_t val
     if (status != GD_OK) return status;
     if (count == 0)
         return gd__gltf_fail(gltf, value, GD_SYNTAX, "the accessor needs a 'count' of at least 1");
-    /* Elements without data are zeros. A few bytes must not make more of them than a file of this
-       size could have with data. */
+    /* Elements without data are zeros. A file must not declare more of them than a file of the same
+     * size could hold as data. */
     size_t bytes = (size_t)(gltf->scan.end - gltf->scan.begin) + gltf->binary.size;
     if (count > bytes && gd__json_member(&gltf->json, value, "bufferView") == GD__NO_VALUE)
         return gd__gltf_fail(gltf, value, GD_SYNTAX,

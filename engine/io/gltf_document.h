@@ -18,8 +18,8 @@ struct gd__gltf_writing {
     double origin[3]; /* subtracted from all positions */
     bool fits;        /* false if a position is beyond the range of floats */
     uint32_t nodes, materials, views, accessors;
-    /* `primitives` are those of the first mesh. The lists of nodes, materials and meshes do not
-       have their first items, so each item follows a comma. */
+    /* `primitives` are those of the first mesh. The lists of nodes, materials and meshes omit their
+     * first items, so each item begins with a comma. */
     struct gd__output node_list, material_list, primitives, mesh_list, animations, view_list,
         accessor_list, binary;
 };
@@ -40,8 +40,8 @@ void gd__gltf_triple(struct gd__output *json, const char *key, const double valu
 void gd__gltf_colour(struct gd__output *json, const struct gd_colour *colour);
 
 /* Adds a view of the bytes from `begin` on. `stride` is the number of bytes from element to
- * element, required if several accessors share the view; 0 if not written. `target` is 0 for data
- * of an animation. */
+ * element, which is required if several accessors share the view. If it is 0, it is not written.
+ * `target` is 0 for data of an animation. */
 void gd__gltf_view(struct gd__gltf_writing *writing, size_t begin, unsigned stride,
                    unsigned target);
 

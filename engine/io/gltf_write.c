@@ -146,8 +146,8 @@ static void add_mesh(struct gd__gltf_writing *writing)
     gd__output_text(json, "},\"indices\":1,\"material\":0}");
 }
 
-/* Adds the lines. A line becomes a strip, and a strip has at least two points, so the point of a
- * line of one point is written twice. */
+/* Adds the lines as strips. A strip needs at least two points. So if a line has only one point,
+ * this point is written twice. */
 static void add_lines(struct gd__gltf_writing *writing)
 {
     const struct gd_result *result = writing->result;

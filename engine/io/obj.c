@@ -163,8 +163,8 @@ static void part_read(void *context, uint32_t index)
     if (read_statements(&part->scan, &part->builder)) part_fail(part);
 }
 
-/* Returns the end of the statement at or after `at`: behind a line end that no backslash
- * precedes. */
+/* Returns the end of the first statement that ends at or after `at`: the position after the next
+ * line end that no backslash precedes. */
 static const char *statement_end(const char *at, const char *end)
 {
     while ((at = memchr(at, '\n', (size_t)(end - at)))) {
@@ -213,7 +213,7 @@ static enum gd_status parts_reserve(const struct parts *parts, uint32_t good)
     return gd__builder_reserve(builder, positions, triangles);
 }
 
-/* Appends the parts that were read, and advances the scan behind them. */
+/* Appends the parts that were read, and advances the scan past them. */
 static void parts_append(struct parts *parts, struct gd__scan *scan, uint32_t good)
 {
     for (uint32_t i = 0; i < parts->count; i++) {
@@ -227,8 +227,8 @@ static void parts_append(struct parts *parts, struct gd__scan *scan, uint32_t go
 }
 
 /* Reads the beginning of a long text on the threads of the executor, in parts. The rest is left to
- * the caller. It begins at the first part with an error or with a relative vertex, so that errors
- * and numbers are those of a reading from the beginning. */
+ * the caller. It begins at the first part that has an error or a relative vertex number. So errors
+ * and vertex numbers are the same as without threads. */
 static enum gd_status read_parts(struct gd__scan *scan, struct gd__builder *builder)
 {
     const struct gd_control *control = builder->limits.control;

@@ -1,4 +1,4 @@
-/* UTF-16: converts text in UTF-16, which some editors of Windows save, to UTF-8. */
+/* UTF-16: converts UTF-16 text, which some Windows editors save, to UTF-8. */
 #ifndef GD_IO_UTF16_H
 #define GD_IO_UTF16_H
 
