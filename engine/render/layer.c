@@ -225,7 +225,7 @@ static double mark_opacity(const struct gd__layer *layer, const struct gd__mark 
     return hidden == GD_HIDDEN_FAINT ? FAINT : 0;
 }
 
-/* Draws an end: the first as a ring, the last as a disc. */
+/* Draws an end of a line: the first end as a ring, the last end as a disc. */
 static void draw_end(const struct gd__layer *layer, uint32_t i, const struct gd__stage *stage,
                      struct gd__canvas *canvas)
 {
@@ -284,8 +284,8 @@ struct labels {
     struct label_box placed[GD_PICTURE_LABELS];
 };
 
-/* Returns a measure of the labels, marks and parts outside the picture that the box covers; 0 means
- * that it covers none. */
+/* Returns a measure of what the box covers: other labels, marks, and space outside the picture. 0
+ * means that it covers none of these. */
 static double box_cost(const struct labels *labels, const struct label_box *box)
 {
     const struct gd__depth_buffer *buffer = labels->stage->buffer;

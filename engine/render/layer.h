@@ -29,8 +29,8 @@ struct gd__layer { /* before the projection, all members except the first two ar
     uint32_t mark_count;
 };
 
-/* Returns the colour that the layer sets. The default is the colour of isolines for marks, and
- * colour `number` of a list for lines. */
+/* Returns the colour that the layer sets. If it sets none, marks get the colour of isolines, and
+ * lines get colour `number` of a list. */
 struct gd__colour gd__layer_colour(const struct gd_picture_layer *layer, uint32_t number,
                                    const struct gd__palette *palette);
 

@@ -11,8 +11,8 @@ struct gd__normal {
 };
 
 /* Fills `corners` with three normals for each face, of any length except 0, and `flat` with one
- * unit normal for each face. Around a vertex with more than 64 faces corners have the face's own
- * normal. O(faces). Errors: GD_CANCELLED, GD_DEADLINE. */
+ * unit normal for each face. Around a vertex with more than 64 faces, each corner has its face's
+ * own normal. O(faces). Errors: GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__normals_make(const struct gd_mesh *mesh,
                                             const struct gd_control *control,
                                             struct gd__normal *flat,

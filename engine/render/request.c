@@ -46,7 +46,7 @@ static bool is_text(const char *text)
     return length <= GD_PICTURE_LABEL;
 }
 
-/* Returns whether a position is near enough to be projected without overflow. */
+/* Returns true if a position is near enough to be projected without overflow. */
 static bool is_near(const struct gd_mesh *mesh, struct gd_vec3 position)
 {
     return gd_vec3_length(gd_vec3_sub(position, mesh->summary.min)) <=
