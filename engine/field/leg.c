@@ -187,9 +187,9 @@ static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t f
 /* Returns the amount by which a path through a wedge must be shorter than the known path. A known
  * path is more precise than a path through a wedge if it satisfies two conditions: it is short
  * compared with the face, and it comes from a point seed, directly or through a vertex beside both
- * the point and the seed. For such a path, the amount is the rounding of positions in the face. In
- * all other cases the amount is 0. In particular, it is 0 for a known path through another corner,
- * because the length of such a path may be slightly too large. */
+ * the point and the seed. For such a path, the amount is the rounding error of positions in the
+ * face. In all other cases the amount is 0. In particular, it is 0 for a known path through another
+ * corner, because the length of such a path may be slightly too large. */
 static inline double margin_of(const struct gd_field *field, uint32_t face, const double weight[3],
                                const struct gd__leg_key *best)
 {

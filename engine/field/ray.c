@@ -185,7 +185,7 @@ static struct gd__stop follow_to_point(struct gd__path_builder *builder, struct 
 /* Returns the vertex within the margin of the crossing where a ray leaves its face, or GD_NONE.
  * `gone` is the length of the leg up to the crossing, `rest` the length from the crossing to the
  * source. Each vertex must be nearer to the source than the previous one; otherwise, in faces
- * smaller than the rounding of distances, the path would circle. */
+ * smaller than the rounding error of distances, the path would run in a circle. */
 static uint32_t vertex_beside(const struct gd__path_builder *builder, const struct gd__ray *ray,
                               double gone, double rest)
 {

@@ -4,10 +4,10 @@
 /* Ridges in a face: for any two unrelated sources, the parts of their branch where no third source
  * is nearer. */
 
-#define SLACKS        4   /* distances agree if they differ by at most this many roundings */
-#define BESIDE_SLACKS 0.5 /* a ridge along an edge is off by at most this many roundings */
-#define CORNER_SNAPS  16  /* an end lies at a corner if it is at most this many roundings away */
-#define NARROW_SLACKS 16  /* a branch at most this many roundings wide is a ray */
+#define SLACKS        4   /* distances agree if they differ by at most this many rounding errors */
+#define BESIDE_SLACKS 0.5 /* a ridge along an edge is off by at most this many rounding errors */
+#define CORNER_SNAPS  16  /* an end is at a corner if it is at most this many rounding errors away */
+#define NARROW_SLACKS 16  /* a branch at most this many rounding errors wide is a ray */
 
 /* The current face. */
 struct work {
@@ -15,7 +15,7 @@ struct work {
     const struct gd_field *field;
     const struct gd__sources *sources;
     struct gd__local middle;
-    double slack; /* rounding of distances in the face */
+    double slack; /* rounding error of distances in the face */
     uint32_t row; /* number of words in a row of rivals */
 };
 
@@ -92,7 +92,7 @@ static double beside_at(const struct work *work, const struct gd__focus focus[2]
 /* --- ends of a part --------------------------------------------------------------------------- */
 
 /* Sets the element on which an end lies, and the end's position there. Returns false if the end
- * lies inside the face. `snap` is the rounding of positions at the border of the face. */
+ * lies inside the face. `snap` is the rounding error of positions at the border of the face. */
 static bool put_on_border(const struct work *work, struct gd__local at, double snap,
                           struct gd__ridge_end *out)
 {

@@ -4,9 +4,9 @@
 
 /* Gaps in the graph of ridges. If a ridge meets the border of a view or an edge at a small angle,
  * its end moves by much more than the rounding error. Such a loose end is joined to the nearest
- * node within GD_TOL_NODE, or to a loose end within the rounding of its ridge. */
+ * node within GD_TOL_NODE, or to a loose end within the rounding error of its ridge. */
 
-#define GAP_SLACKS 16 /* an end is off by at most this many roundings, divided by the angle */
+#define GAP_SLACKS 16 /* an end is off by at most this many rounding errors, divided by the angle */
 
 /* The position of a node, for lists that are sorted by element. */
 struct place {

@@ -117,8 +117,8 @@ GD_MUST_USE enum gd_status gd__ridges_finish(struct gd__ridges *ridges);
 /* ridge_graph.c: counts the parts that end at each node. */
 void gd__ridges_count(struct gd__ridges *ridges);
 
-/* Returns true for a part whose ends are one node. Such a part is not longer than rounding, or it
- * was dropped. */
+/* Returns true for a part whose ends are one node. Such a part is not longer than the rounding
+ * error, or it was dropped. */
 static inline bool gd__ridge_is_point(const struct gd__bisector_part *part)
 {
     return part->node[0] == part->node[1];
@@ -134,8 +134,9 @@ static inline bool gd__ridge_is_loose(const struct gd__node *node)
  * must have been counted. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__ridges_close_gaps(struct gd__ridges *ridges);
 
-/* ridge_branches.c: removes the branches whose angles are below `min_angle`, and joins the branches
- * that they separated. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
+/* ridge_branches.c: removes the branches of the graph (chains of parts) whose angles are below
+ * `min_angle`, and joins the branches that they separated. Errors: GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__ridges_keep_branches(struct gd__ridges *ridges);
 
 #endif

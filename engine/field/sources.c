@@ -19,7 +19,7 @@ bool gd__edge_windows_next(struct gd__edge_windows *windows, struct gd__window *
 {
     const struct gd_field *field = windows->field;
     double length = field->mesh->side[windows->side].length,
-           more = gd__stored_slack(length); /* rounding of the wedge's ends */
+           more = gd__stored_slack(length); /* rounding error of the wedge's ends */
     struct gd__window w = {.source = GD_NONE};
     while (w.source == GD_NONE) {
         if (windows->chunk == GD_NONE) return false;

@@ -161,7 +161,7 @@ static uint32_t bisector_part_behind(const struct gd__diagram *diagram, uint32_t
 }
 
 /* Writes the line that begins with a part at one of the part's nodes, unless the line is no longer
- * than rounding. */
+ * than the rounding error. */
 static void write_line(struct writer *writer, uint32_t bisector_part, uint32_t node)
 {
     const struct gd__diagram *diagram = writer->diagram;

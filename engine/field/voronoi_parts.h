@@ -6,10 +6,10 @@
  *   own (GD_TOL_TIE). With nudges the diagram is in general position even if surface and seeds are
  *   symmetric, and edges and faces decide ties consistently. Nudges determine the topology only;
  *   positions are computed without them.
- * - Each vertex has an owner. Along an edge the owners come from the lower envelope of its windows.
- *   An owner change is a node where the owner changes; both faces of the edge share it. If the
- *   first or last owner along an edge differs from the owner of the edge's end, the owner change is
- *   at that end.
+ * - Each vertex has an owner: the member with the least distance. Along an edge the owners come
+ *   from the lower envelope of the edge's windows. An owner change is a node where the owner
+ *   changes; both faces of the edge share it. If the first or last owner along an edge differs from
+ *   the owner of the edge's end, the owner change is at that end.
  * - In a face, any two sources of different members have a branch (voronoi_branch.h). The parts of
  *   bisectors are the parts of branches that both sources see and to which no third source is
  *   nearer. The ends of parts are matched by position: with an owner change, with the end of a part
