@@ -64,7 +64,8 @@ struct gd__wedges {
 
 /* Packing. In units of 2^(exponent - 49), x is between -2^49 and 2^49. In units of 2^(exponent -
  * 50), y is below 2^50. Adding gd__wedge_zero rounds to a whole number of units and moves this
- * number, plus 2^49 for x, to the lower bits of the double. Subtracting unpacks. */
+ * number, plus 2^49 for x, to the lower bits of the double. Subtracting gd__wedge_zero unpacks the
+ * number. */
 #define GD__WEDGE_X_SHIFT    14 /* place of x in a word */
 #define GD__WEDGE_Y_SHIFT    2  /* number of bits of y in a word */
 #define GD__WEDGE_LOW_SHIFT  12 /* number of bits of the source in a word */

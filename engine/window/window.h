@@ -1,15 +1,15 @@
-/* Window: an interval of an edge, and the source from which paths reach the interval straight, on
- * one side of the edge (Definition 1 of the paper). Windows exist during propagation. A wedge is
+/* Window: an interval of an edge, and a source on one side of the edge from which straight paths
+ * lead to the interval (Definition 1 of the paper). Windows exist during propagation. A wedge is
  * the final form of a window. In the frame of its side (mesh/topology.h) the window has its
  * pseudo-source at (x, -y), y > 0. Straight lines from the source through [b0, b1] are shortest
  * paths. The distance at parameter t of the edge is sigma + |(t, 0) - (x, -y)|. The window
  * propagates into the side's face.
  *
  * A linear window belongs to a segment source (Bommes and Kobbelt 2007). Its rays are parallel, as
- * if the source were infinitely far away in the direction (x, -y), a unit vector, y > 0. The
- * distance at (t, h) of the frame is sigma - x t + y h. So sigma is the distance at the frame's
- * origin. It has another value in another frame. It may be negative, because the origin may lie
- * outside the window. In homogeneous coordinates the source of a window is (x, -y, 1), and the
+ * if the source were infinitely far away in the direction (x, -y), which is a unit vector with y >
+ * 0. The distance at (t, h) of the frame is sigma - x t + y h. So sigma is the distance at the
+ * frame's origin. It has another value in another frame. It may be negative, because the origin may
+ * lie outside the window. In homogeneous coordinates the source of a window is (x, -y, 1), and the
  * source of a linear window is (x, -y, 0). */
 #ifndef GD_WINDOW_WINDOW_H
 #define GD_WINDOW_WINDOW_H
