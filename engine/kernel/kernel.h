@@ -71,8 +71,8 @@ extern const struct gd__kernel gd__kernel_avx2, gd__kernel_avx2_linear, gd__kern
     gd__kernel_avx512_linear;
 #endif
 
-/* Returns the kernel in use for windows of point sources: the kernel selected by gd_cpu_select, or
- * otherwise the one with most lanes that this machine supports. */
+/* Returns the kernel in use for windows of point sources: the kernel that gd_cpu_select selected,
+ * or otherwise the kernel with the most lanes that this machine supports. */
 const struct gd__kernel *gd__kernel_in_use(void);
 
 #endif
