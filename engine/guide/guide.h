@@ -42,7 +42,7 @@ struct gd__guide {
     const struct gd_control *control; /* control of the search; may be NULL */
     uint32_t steps; /* steps since the search began; the control is checked at intervals */
     struct gd__anchor target;
-    double margin;               /* rounding of distances in space */
+    double margin;               /* rounding error of distances in space */
     struct gd__guide_node *node; /* for each vertex, its node; clean (GD__FAR) between searches */
     uint32_t capacity;
     uint32_t *touched; /* nodes to reset when the search ends */
