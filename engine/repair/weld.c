@@ -8,8 +8,8 @@
  * hash differs from run to run. If the tolerance is 0, each position is a cell.
  *
  * Cell numbers are doubles. Where cell numbers exceed 2^53, two different coordinates are farther
- * apart than the tolerance. Rounding can give neighbouring cells the same number there, but then
- * the points in them have equal coordinates. */
+ * apart than the tolerance. So rounding can give two neighbouring cells the same number only if the
+ * points in them have equal coordinates. */
 #include <stdlib.h>
 #include <string.h>
 
