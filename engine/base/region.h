@@ -55,9 +55,9 @@ void gd__region_keep_spare(size_t bytes);
 size_t gd__region_spare(void);
 
 /* Prepares memory for a later region: as many bytes as the last closed region used. Accesses them,
- * so that the system provides the memory now. Keeps it as spare memory. Returns false, and does
- * nothing, if no region was closed yet, the limit would be exceeded, or there is enough spare
- * memory for two such regions. Thread-safe. */
+ * so that the system provides the memory now. Keeps it as spare memory. Does nothing and returns
+ * false in three cases: no region was closed yet, the limit would be exceeded, or there is enough
+ * spare memory for two such regions. Thread-safe. */
 bool gd__region_prepare(void);
 
 #endif

@@ -15,7 +15,7 @@ typedef void gd__slice(void *context, struct gd__pace *pace, uint32_t begin, uin
  * skipped. */
 void gd__slices_run(struct gd__pace *pace, uint32_t count, gd__slice *run, void *context);
 
-/* Writes a zero to each page of a new array, so that the system provides the pages in order, to
+/* Writes a zero to each page of a new array, so that the system provides the pages in order, on
  * several threads. Otherwise the scattered writes of a single slice would cause page faults on
  * nearly all pages. And if two threads wrote to the same huge page, each of them would clear it.
  * NULL is allowed. */

@@ -70,8 +70,8 @@
 #define GD_TOL_POLISH_STEP     1e-4
 #define GD_TOL_ROOT_SEPARATION 1e-12
 
-/* An edge shorter than this part of the distance of its end is below the rounding of that distance.
- * Any path to its end is then as good as the path along the edge. */
+/* If an edge is shorter than this part of the distance of its end, its length is below the rounding
+ * error of that distance. Any path to its end is then as good as the path along the edge. */
 #define GD_TOL_LOST 1e-12
 
 /* Two windows of one pseudo-source are joined if their unfolded sources agree to this part of their
@@ -99,7 +99,7 @@
 
 /* A traced path that passes a vertex closer than this part of the edge goes through the vertex. The
  * side that rounding picks does not matter: the length changes only by the square of the offset.
- * The tolerance is well above the rounding of a thousand unfolded faces. */
+ * The tolerance is well above the rounding error of a thousand unfolded faces. */
 #define GD_TOL_SNAP 1e-10
 
 /* If the length of a traced path disagrees with the distance, the path is traced again with a wider
@@ -125,14 +125,14 @@
  * pseudo-source, relative to the sizes of the ray and the face. */
 #define GD_TOL_ARRIVED 1e-6
 
-/* Barycentric coordinates and edge parameters this close to the border are on it. The tolerance is
- * the rounding of their sum. */
+/* Barycentric coordinates and edge parameters that are this close to the border count as on the
+ * border. The tolerance is the rounding error of their sum. */
 #define GD_TOL_ON_BORDER 4e-15
 
 /* A corner of a curve this close to an edge is moved onto it. The view from the corner ends close
- * to the corner's perpendicular foot on the edge, and the ends of windows are stored as parameters
- * of the edge. If the corner were closer to the edge, these parameters would not determine the
- * angle well enough for distances with an error of 1e-9. */
+ * to the foot of the perpendicular from the corner to the edge, and the ends of windows are stored
+ * as parameters of the edge. If the corner were closer to the edge, these parameters would not
+ * determine the angle well enough for distances with an error of 1e-9. */
 #define GD_TOL_CORNER 4e-12
 
 /* The sum of a caller's barycentric coordinates may differ from one by at most this, and a caller's
@@ -201,7 +201,7 @@
 #define GD_TOL_CHECK 1e-9
 
 /* A point in space this close to a vertex or an edge is on it, relative to the largest coordinate.
- * This is 8 ulps, the rounding of a computed, printed or stored position. */
+ * This is 8 ulps, the rounding error of a computed, printed or stored position. */
 #define GD_TOL_LOCATE 1.8e-15
 
 /* Bounds that prune a search are changed to the safe side by this part of the bound, and by this
@@ -370,8 +370,9 @@
 
 /* Two directions from a corner of a limit surface count as parallel if their cross product is
  * shorter than this part of the product of their lengths. The corner then has no normal. If there
- * is a normal, the component of one direction perpendicular to the other exceeds this part of the
- * parallel component, even after the last halving and for any number of faces. */
+ * is a normal, take the components of one direction perpendicular and parallel to the other. The
+ * perpendicular component exceeds this part of the parallel one, even after the last halving and
+ * for any number of faces. */
 #define GD_TOL_SPIKE 1e-10
 
 /* Newton's method for the closest point of a limit surface has converged if its step is this small
