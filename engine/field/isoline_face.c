@@ -231,8 +231,8 @@ static struct gd_point point_of(const struct work *work, const struct gd__end *e
     return gd__face_frame_point(mesh, sources->face, &sources->frame, end->at);
 }
 
-/* Returns the angle of a position around a circle's centre that is nearest to `angle`, modulo 2
- * pi. */
+/* Returns the angle of a position around a circle's centre. Of the values that differ by multiples
+ * of 2 pi, returns the one nearest to `angle`. */
 static double angle_near(const struct gd__circle *circle, double angle, struct gd__local at)
 {
     return angle + remainder(gd__circle_angle(circle, at) - angle, 2 * M_PI);

@@ -86,8 +86,8 @@ GD_MUST_USE enum gd_status gd__field_propagate(struct gd_field *field,
                                                const struct gd__propagation *propagation,
                                                const struct gd_control *control);
 
-/* field.c: creates a field without arrays that retains the mesh and has one reference; returns NULL
- * if memory is exhausted. */
+/* field.c: creates a field that has no arrays, retains the mesh, and has one reference. Returns
+ * NULL if memory is exhausted. */
 struct gd_field *gd__field_create(const struct gd_mesh *mesh);
 
 /* face_seeds.c: fills face_seeds and has_segments from the seeds, and sets the face of each

@@ -71,8 +71,8 @@ BOTH_KINDS void enter_face(const struct gd_side *s, struct gd__ray *ray, bool li
     ray->x = linear ? -ray->x : s->length - ray->x;
 }
 
-/* Transforms a ray that entered the face of its side to the side where the ray leaves the face.
- * This is the left edge, from the origin to the apex, or the right edge, from the apex to the
+/* A ray has entered the face of its side. Transforms it to the side where it leaves the face. This
+ * is the left edge, from the origin to the apex, or the right edge, from the apex to the
  * destination. The vector (ux, uy) runs along that edge. The vector (rx, ry) runs from the edge's
  * end to the source. */
 BOTH_KINDS void cross_face(const struct gd_side *s, struct gd__ray *ray, struct passage *passage,
@@ -125,7 +125,7 @@ static inline bool append_crossing(struct gd__path_builder *builder, const struc
 }
 
 /* Returns the point where a ray leaves its face by a side. No path leaves the surface: a ray that
- * seems to do so passes an end of the boundary edge within rounding. */
+ * seems to do so passes an end of the boundary edge within the rounding error. */
 static struct gd_point crossing_of(const struct gd__path_builder *builder,
                                    const struct gd__ray *ray)
 {

@@ -6,7 +6,7 @@
 
 #define SLACKS        4   /* distances agree if they differ by at most this many rounding errors */
 #define BESIDE_SLACKS 0.5 /* a ridge along an edge is off by at most this many rounding errors */
-#define CORNER_SNAPS  16  /* an end is at a corner if it is at most this many rounding errors away */
+#define CORNER_SNAPS  16  /* an end at most this many rounding errors from a corner lies on it */
 #define NARROW_SLACKS 16  /* a branch at most this many rounding errors wide is a ray */
 
 /* The current face. */

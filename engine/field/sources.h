@@ -46,7 +46,7 @@ GD_MUST_USE enum gd_status gd__sources_gather(const struct gd_field *field, uint
 void gd__sources_destroy(struct gd__sources *sources);
 
 /* Iterates over the windows of an edge, in the frame of `side`. The windows are lengthened by the
- * rounding of their stored ends. Gaps are skipped. */
+ * rounding error of their stored ends. Gaps are skipped. */
 struct gd__edge_windows {
     const struct gd_field *field;
     uint32_t side, chunk, next; /* the next window is number `next` of `chunk` */
