@@ -90,8 +90,8 @@ static void emit_through_face(struct gd__wavefront *front, const struct emitter 
            /* height = twice the area / length of the edge; this avoids cancellation */
         y = py * s->length / length + (at.x * s->right_y - at.y * s->right_x);
     if (gd__window_grazes(x, y, length)) return;
-    /* The vertex lies almost on the edge. Emit through all of the edge, because the ends of a part
-     * would not determine the angle. */
+    /* If the vertex lies almost on the edge, the window covers the whole edge, because the ends of
+     * a part would not determine the angle. */
     bool cap = y <= GD_TOL_CAP * length;
     if (sector.from > 0 && !cap) b1 = place_of_ray(s, sector.from);
     if (sector.to < sector.opening && !cap) b0 = place_of_ray(s, sector.to);

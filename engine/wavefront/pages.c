@@ -59,8 +59,8 @@ void gd__pages_rest(struct gd__pages *pages, struct gd__page *page, uint32_t now
 }
 
 /* Removes a page that has been idle long enough from the line, and returns it. Returns NULL if
- * there is none. Pages that were used after they entered the line are removed too, or moved to its
- * end. */
+ * there is none. Pages that were used after they entered the line are removed too, or moved to the
+ * end of the line. */
 static struct gd__page *take_rested(struct gd__pages *pages, uint32_t now)
 {
     while (pages->first && pages->first->entered + REST < now) {

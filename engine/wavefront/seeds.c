@@ -239,8 +239,8 @@ static void seed_strip_across(struct gd__wavefront *front, uint32_t seed, uint32
     if (w.b1 - w.b0 > GD_TOL_WIDTH * length) seed_side(front, side ^ 1, &w);
 }
 
-/* Returns true if the vertex is an end of the segment. The end is a separate seed. The segment has
- * the same distance from the vertex up to rounding, but must not replace this seed. */
+/* Returns true if the vertex is an end of the segment. The end is a separate seed. Up to rounding,
+ * the segment is equally near to the vertex, but must not replace this seed. */
 static bool is_end(const struct gd__wavefront *front, uint32_t seed, uint32_t vertex)
 {
     const struct gd_point *ends[2] = {&front->seeds[seed].point, &front->seeds[seed].end};

@@ -9,9 +9,9 @@
  *   side is propagated again when new windows reach it. The order of the queue affects the time,
  *   but never the exactness. Windows of a side that is propagated often are pruned against its
  *   stored wedges.
- * - Invariants: the windows of a list are sorted and disjoint, and each is an existing path, so
- *   distances are upper bounds. A window is dropped only where an existing path is shorter, or
- *   where no path below the bound can use it.
+ * - Invariants: the windows of a list are sorted and disjoint. Each window describes existing
+ *   paths, so distances are upper bounds. A window is dropped only where an existing path is
+ *   shorter, or where no path below the bound can use it.
  * - At the end, distances and windows below the bound are final (Property 5 of the paper).
  * - Lengths are in the mesh's normalised unit. One owner, one thread. */
 #ifndef GD_WAVEFRONT_WAVEFRONT_H
