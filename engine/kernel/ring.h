@@ -1,7 +1,7 @@
 /* Rings: sets of vertices and edges around the target of a guide, at increasing numbers of hops.
  * Every path to the target passes through all rings, one after another. So the sum of the straight
- * lines in space from ring to ring is a lower bound of its length. These lines follow the surface
- * better than one straight line to the target.
+ * lines in space from ring to ring is a lower bound of the path's length. These lines follow the
+ * surface better than one straight line to the target.
  *
  * The hops of a vertex are the number of edges from the target's corners to this vertex. Only edges
  * between vertices that a path within the bound may pass are used. From vertex to vertex along such
