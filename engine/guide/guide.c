@@ -9,9 +9,9 @@
 #include "base/prefetch.h"
 
 /* Weights by which A* multiplies lower bounds of the remaining distance. GREED: weight of the
- * straight line in space, without landmarks. LINE_GREED and LANDMARKS_GREED: weights of the
- * straight line and of the landmarks' bound, with landmarks. With a weight above 1, A* finds a path
- * at a fraction of the cost. The path may be slightly too long, but it is straightened
+ * straight line in space, if there are no landmarks. LINE_GREED and LANDMARKS_GREED: weights of the
+ * straight line and of the landmarks' bound, if there are landmarks. With a weight above 1, A*
+ * finds a path at a fraction of the cost. The path may be slightly too long, but it is straightened
  * afterwards. */
 #define GREED           1.2
 #define LINE_GREED      1.1
@@ -176,10 +176,10 @@ static enum gd_status relax_vertex(struct gd__guide *guide, uint32_t vertex, str
     return GD_OK;
 }
 
-/* Let a-b be the edge opposite to a vertex, and `beyond` the apex of the face on its other side.
- * Returns the length of the straight segment from the vertex across a-b to `beyond`, or GD__FAR if
- * the segment misses the edge. Computes it from positions, which A* loads anyway, because loading
- * the records of sides would cause cache misses. */
+/* Let a-b be the edge opposite to a vertex, and `beyond` the apex of the face on the other side of
+ * a-b. Returns the length of the straight segment from the vertex across a-b to `beyond`, or
+ * GD__FAR if the segment misses the edge. Computes it from positions, which A* loads anyway,
+ * because loading the records of sides would cause cache misses. */
 static double way_across(const struct gd_vec3 *vertex, const struct gd_vec3 *a,
                          const struct gd_vec3 *b, const struct gd_vec3 *beyond)
 {
