@@ -199,7 +199,7 @@ static void drop_cap(struct flattening *flattening, uint32_t face)
     drop(flattening->work, face);
 }
 
-/* The two faces at an edge u-v that will be flipped. b is the apex of the cap. The other face has
+/* An edge u-v that will be flipped, and its two faces. b is the apex of the cap. The other face has
  * the corners u, v, d in this order. */
 struct quadrilateral {
     uint32_t cap, other; /* faces */

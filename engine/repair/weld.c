@@ -3,9 +3,9 @@
  * DESIGN. Space is divided into cubic cells with sides of twice the tolerance. Along each axis, all
  * points within the tolerance of a point are in its cell or in the neighbouring cell on the nearer
  * side. So they are in at most 8 cells. The table holds only vertices that represent themselves.
- * These are more than the tolerance apart. So for any input a cell holds at most a few dozen of
- * them, and each vertex costs bounded work. No file can make the table's chains long, because the
- * hash differs from run to run. If the tolerance is 0, each position is a cell.
+ * Any two of these are more than the tolerance apart. So for any input a cell holds at most a few
+ * dozen of them, and each vertex costs bounded work. No file can make the table's chains long,
+ * because the hash differs from run to run. If the tolerance is 0, each position is a cell.
  *
  * Cell numbers are doubles. Where cell numbers exceed 2^53, two different coordinates are farther
  * apart than the tolerance. So rounding can give two neighbouring cells the same number only if the
