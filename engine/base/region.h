@@ -25,7 +25,7 @@ struct gd__region {
     size_t reserved;
 };
 
-/* Opens a region. The struct is all zero, or a region that was open before; the memory of that
+/* Opens a region. The struct must be all zero, or a region that was open before; the memory of that
  * region is reused. Error: GD_NO_MEMORY (not even a few megabytes of address space are
  * available). */
 GD_MUST_USE enum gd_status gd__region_open(struct gd__region *region, size_t most,

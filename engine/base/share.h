@@ -13,8 +13,8 @@ struct gd__share {
 };
 
 /* Returns the control of the current part. Its progress continues where the last part ended, even
- * if the part restarts from 0. Its budget is the caller's budget minus `held`, the bytes that the
- * caller has allocated. The control refers to `share`. */
+ * if the progress that the part reports begins at 0 again. Its budget is the caller's budget minus
+ * `held`, the bytes that the caller has allocated. The control refers to `share`. */
 struct gd_control gd__share_control(struct gd__share *share, size_t held);
 
 #endif

@@ -200,8 +200,8 @@
  * interface promises this precision. */
 #define GD_TOL_CHECK 1e-9
 
-/* A point in space this close to a vertex or an edge is on it, relative to the largest coordinate.
- * This is 8 ulps, the rounding error of a computed, printed or stored position. */
+/* A point in space is on a vertex or an edge if it is this close to it, relative to the largest
+ * coordinate. This is 8 ulps, the rounding error of a computed, printed or stored position. */
 #define GD_TOL_LOCATE 1.8e-15
 
 /* Bounds that prune a search are changed to the safe side by this part of the bound, and by this
@@ -218,9 +218,9 @@
 
 /* A straight line goes through a vertex if it passes this close to the vertex. The tolerance is
  * relative to the crossed edge or to the line's length so far, whichever is shorter; GD_TOL_PLACE
- * of the edge is added. If an edge or a vertex is this close to the line's end, relative to the
- * shorter of the edge and the line, the end is moved there. This is also the largest angle by which
- * a direction may miss a boundary edge and still run along it. */
+ * times the edge's length is added. If an edge or a vertex is this close to the line's end,
+ * relative to the shorter of the edge and the line, the end is moved there. This is also the
+ * largest angle by which a direction may miss a boundary edge and still run along it. */
 #define GD_TOL_HIT 1e-12
 
 /* This part of the length of a walk is added to GD_TOL_HIT, because each unfolded face adds
@@ -262,7 +262,8 @@
  * begins and ends. The error of its length is of the order of the square of the angle. */
 #define GD_TOL_CLOSED_TURN 1e-9
 
-/* A closed curve that shrinks to less than this part of its first length shrinks to a point. */
+/* A closed curve that shrinks to less than this part of its first length counts as shrinking to a
+ * point. */
 #define GD_TOL_VANISH 1e-9
 
 /* Two points of a spline count as one point if their distance is less than this part of the
