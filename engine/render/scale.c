@@ -2,8 +2,8 @@
 
 #include "field/layout.h"
 
-/* upper limit of levels, relative to the range; the isoline at the largest distance would be a
- * point */
+/* upper limit of levels, relative to the range, because the isoline at the largest distance would
+ * be a point */
 #define BELOW (1 - 1e-9)
 
 struct gd__scale gd__scale_of(double range, uint32_t wanted)
