@@ -53,8 +53,8 @@ double gd__edit_box_size(const struct gd_mesh *mesh);
 GD_MUST_USE enum gd_status gd__edited_allocate(struct gd_edited *edited, uint32_t vertices,
                                                uint32_t faces);
 
-/* Copies the position of a vertex of the mesh to vertex `at` of the result, and sets its origin to
- * this vertex. */
+/* Copies the position of a vertex of the mesh to vertex `at` of the result. The origin of vertex
+ * `at` becomes the vertex of the mesh. */
 void gd__edited_keep(struct gd_edited *edited, uint32_t at, const struct gd_mesh *mesh,
                      uint32_t vertex);
 
