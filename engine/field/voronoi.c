@@ -71,8 +71,8 @@ static enum gd_status open_diagram(struct gd__diagram *diagram)
     return gd__members_find(diagram->field, diagram->member_of_seed, &diagram->members);
 }
 
-/* Returns true if a seed lies at the vertex. Its member then wins ties of paths that begin at the
- * vertex. */
+/* Returns true if a seed lies at the vertex. The seed's member then wins ties of paths that begin
+ * at the vertex. */
 static bool is_seed(const struct gd_field *field, uint32_t vertex)
 {
     struct gd__predecessor predecessor = field->predecessor[vertex];
