@@ -261,7 +261,7 @@ static inline size_t gd__chunk_bound(uint32_t count)
 /* Writes sorted windows of a side to a chunk, as wedges with gaps between them. The chunk's form
  * must be set. Changes it to WIDE if a window needs it. Sets the count, the exponent and the side.
  * The caller then sets the previous chunk. `mirrored` is true if the windows belong to side 1. This
- * is the general form of gd__kernel.store. */
+ * function is the general form of gd__kernel.store. */
 void gd__chunk_write(const struct gd__windows *windows, uint32_t count, double length,
                      bool mirrored, struct gd__chunk *out);
 
