@@ -17,8 +17,8 @@
 #define LINE_GREED      1.1
 #define LANDMARKS_GREED 1.05
 
-/* Number of fan entries or ring vertices between two checks of the control. This takes well under a
- * millisecond. */
+/* Number of fan entries or ring vertices between two checks of the control. Processing them takes
+ * well under a millisecond. */
 #define CHECK_INTERVAL 1024
 
 /* --- nodes ------------------------------------------------------------------------------------ */
