@@ -200,7 +200,7 @@
  * interface promises this precision. */
 #define GD_TOL_CHECK 1e-9
 
-/* A point in space is on a vertex or an edge if it is this close to it, relative to the largest
+/* A point in space counts as on a vertex or an edge that is this close, relative to the largest
  * coordinate. This is 8 ulps, the rounding error of a computed, printed or stored position. */
 #define GD_TOL_LOCATE 1.8e-15
 
@@ -219,7 +219,7 @@
 /* A straight line goes through a vertex if it passes this close to the vertex. The tolerance is
  * relative to the crossed edge or to the line's length so far, whichever is shorter; GD_TOL_PLACE
  * times the edge's length is added. If an edge or a vertex is this close to the line's end,
- * relative to the shorter of the edge and the line, the end is moved there. This is also the
+ * relative to the shorter of the edge and the line, the end is moved there. GD_TOL_HIT is also the
  * largest angle by which a direction may miss a boundary edge and still run along it. */
 #define GD_TOL_HIT 1e-12
 
@@ -356,8 +356,8 @@
 #define GD_TOL_POLE_BEND 1e-6
 
 /* Geodesics of a subdivision surface: the largest error of an integration step, relative to the
- * patch and the speed. It is a few hundred times rounding. Near a spike, where the derivatives
- * become parallel, the bound is divided by the sine of the angle between them. */
+ * patch and the speed. It is a few hundred times the rounding error. Near a spike, where the
+ * derivatives become parallel, the bound is divided by the sine of the angle between them. */
 #define GD_TOL_GEODESIC 1e-13
 
 /* A path along the border of a patch counts as inside up to this distance beyond the border,
