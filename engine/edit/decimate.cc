@@ -63,7 +63,7 @@ static Quadric face_quadric(const EditMesh &mesh, Face face)
 }
 
 /* Returns the quadric of the plane that contains a boundary edge and is perpendicular to the face
- * of this edge. It keeps the boundary in place. */
+ * of this edge. This quadric keeps the boundary in place. */
 static Quadric wall_quadric(const EditMesh &mesh, OpenMesh::HalfedgeHandle boundary)
 {
     const auto inside = mesh.opposite_halfedge_handle(boundary);
