@@ -21,7 +21,7 @@
 
 /* Arrays of at least this many bytes return to the system when they are freed. By default glibc
  * raises this bound with the size of freed arrays, and so keeps the memory of freed meshes and
- * fields. After some hundred uploads, that is half as much as the budget. */
+ * fields. After some hundred uploads, this memory is half as large as the budget. */
 #define LARGE_BYTES (256 << 10)
 
 #define JOB_ANSWERS_PART 8 /* share of the memory budget for the answers of jobs: 1/8 */
@@ -250,7 +250,7 @@ static bool create_parts(struct server *server, char error[SERVER_ERROR])
     if (config->max_answer < server->budget.largest_answer)
         server->budget.largest_answer = config->max_answer;
     /* The allocator may keep memory of released fields. This memory is taken from the budget once,
-       here. So a reuse of it takes nothing more from the budget. */
+       here. So its reuse takes nothing more from the budget. */
     size_t part = server->budget.limit / SPARE_PART, spare = part < SPARE_MOST ? part : SPARE_MOST;
     gd_spare_memory(spare);
     if (!server_budget_take(&server->budget, SERVER_BUDGET_SPARE, spare)) return false;

@@ -49,7 +49,8 @@ bool server_start_jobs(struct server *server);
 /* Destroys registry, caches of surfaces and their threads, after the workers were cancelled. */
 void server_surfaces_destroy(struct server *server);
 
-/* Reads keys and certificates again, one thread at a time. After a failure the old ones stay. */
+/* Reads keys and certificates again. If this fails, the old ones stay in use. Only one thread at a
+ * time may call this function. */
 void server_reload(struct server *server);
 
 /* Drains, stops and frees the server. Takes at most drain_delay_ms, drain_ms and a few seconds. */

@@ -12,8 +12,9 @@
 size_t proto_integer_print(uint64_t value, char *out);
 
 /* Reads a JSON number at the start of `text` (NUL-terminated), correctly rounded. Returns the
- * number's length in characters. Returns 0, with `out` untouched, if there is no number, if an x
- * follows it, or if its magnitude exceeds the range of doubles. Thread-safe. */
+ * number's length in characters. Returns 0, with `out` untouched, if there is no number, if the
+ * letter x follows the number (as in 0x10), or if its magnitude exceeds the range of doubles.
+ * Thread-safe. */
 size_t proto_number_parse(const char *text, double *out);
 
 /* Reads decimal digits without a leading zero at the start of `text` (NUL-terminated). Returns the

@@ -6,8 +6,8 @@
 #include "generated/requests.h"
 #include "proto/http/options.h"
 
-/* Begin and end the answer; proto_cut_piece_encode writes each piece in between. `fields` as in the
- * options. */
+/* Begin and end the answer; proto_cut_piece_encode writes each piece in between. `fields` has the
+ * meaning of the member in struct proto_options. */
 void proto_cut_begin(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields);
 void proto_cut_end(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields);
 

@@ -15,18 +15,18 @@ struct proto_bulk_text {
     const char *at, *end;
 };
 
-/* Removes the opening brace or the comma before the next member, the member's name and the bracket
- * that opens its list. Returns the index of the name in `names` (NULL-terminated), or -1 if the
- * text is not plain. */
+/* Removes from the text the opening brace or the comma before the next member, the member's name,
+ * and the bracket that opens its list. Returns the index of the name in `names` (NULL-terminated),
+ * or -1 if the text is not plain. */
 int proto_bulk_open(struct proto_bulk_text *text, const char *const *names, bool is_first);
 
 /* Finds the next `most` points of a list, or the rest of it if that is less. Sets *points to their
- * text, which ends with the comma or the closing bracket behind the last point, and removes it from
- * `*text`. Returns the number of points, or 0 if the text is not plain. */
+ * text, which ends with the comma or the closing bracket after the last point, and removes this
+ * text from `*text`. Returns the number of points, or 0 if the text is not plain. */
 uint32_t proto_bulk_split(struct proto_bulk_text *text, uint32_t most,
                           struct proto_bulk_text *points, bool *is_last);
 
-/* Reads the next point and the comma or bracket behind it. The place of the point stays empty. */
+/* Reads the next point and the comma or bracket after it. The place of the point stays empty. */
 bool proto_bulk_point(struct proto_bulk_text *points, struct proto_point *out);
 
 /* Returns true if nothing but the closing brace is left. */

@@ -1,5 +1,5 @@
-/* Credentials: the keys of the daemon's users, read from a file with a line for each key, which
- * `geodesicd keygen` prints:
+/* Credentials: the keys of the daemon's users. They are read from a file that has one line for each
+ * key. `geodesicd keygen` prints such a line:
  *
  *     # name  SHA-256 of the key  rights
  *     ci      sha256:9f86d0…      role=write expires=2027-01-31 rate=50 concurrent=8
@@ -10,8 +10,8 @@
  * empty "tenant=" names the tenant of a daemon without keys.
  *
  * A key has 258 random bits and is shown once. The file holds only its SHA-256. A set of keys is
- * immutable and reference-counted. Reading a new file makes a new set, in which each name keeps its
- * quota. */
+ * immutable and reference-counted. Reading the file again creates a new set. A key keeps its quota
+ * if its name was in the old set. */
 #ifndef SERVER_ACCESS_CREDENTIALS_H
 #define SERVER_ACCESS_CREDENTIALS_H
 
@@ -37,8 +37,8 @@ struct server_limits { /* 0 means no limit */
 
 enum server_quota_outcome { SERVER_QUOTA_ENTERED, SERVER_QUOTA_RATE, SERVER_QUOTA_CONCURRENT };
 
-/* The part of its limits that a key has used. Quotas are reference-counted: a running request keeps
- * its quota after the key is removed.
+/* How much a key has used of its limits. Quotas are reference-counted: a running request keeps its
+ * quota after the key is removed.
  *
  * A rate of r a second is a token bucket of r tokens that fills at that rate. The bucket is stored
  * as the time at which it will be full again (GCRA), so that counting a request is one
@@ -93,7 +93,8 @@ struct server_credentials *server_credentials_load(const char *path,
 struct server_credentials *server_credentials_retain(struct server_credentials *keys);
 void server_credentials_release(struct server_credentials *keys); /* NULL is allowed */
 
-/* Returns the set's key with that text, or NULL, in a time that does not depend on the text. */
+/* Finds the set's key that has this text. Returns NULL if there is none. The time of the search
+ * does not depend on the text. */
 const struct server_credential *server_credentials_find(const struct server_credentials *keys,
                                                         const char *text, size_t size);
 

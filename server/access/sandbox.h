@@ -9,13 +9,13 @@
  * - Landlock (Linux 5.19) restricts each thread to these actions:
  *   - in the data folder: all actions except making devices, sockets, FIFOs and symbolic links, and
  *     except running programs;
- *   - in the folders of files that SIGHUP reads again, and in the folders of the files to which
- *     these link: reading;
+ *   - in the folders of files that SIGHUP reads again: reading. If such a file is a symbolic link,
+ *     this includes the folder of its target;
  *   - in the folder of a unix socket: making and removing sockets;
- *   - TCP (Linux 6.7): no listening on further ports, and connections only to the ports of a
- *     database;
- *   - files of a database (certificates, passwords, the files that resolve names): reading;
- *   - signals and abstract sockets (Linux 6.12): none to other processes.
+ *   - in files that connections to a database need (certificates, passwords, files by which names
+ *     are resolved): reading;
+ *   - by TCP (Linux 6.7): connecting to the ports of a database, but not listening on more ports;
+ *   - by signals and abstract sockets (Linux 6.12): reaching the process itself, but no other.
  *
  * server_sandbox_seal runs once the daemon listens. Seccomp allows the system calls of a running
  * daemon, some of them with certain arguments only. Other calls fail with ENOSYS. A library that

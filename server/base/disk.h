@@ -10,7 +10,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Outcome of a write or a read: of a file in this header, of a surface or a row in server/store. */
+/* Outcome of a write or a read. In this header it concerns a file; in server/store, a surface or a
+ * row. */
 enum server_outcome {
     SERVER_STORE_DONE,
     SERVER_STORE_CREATED,      /* done; the name was free (only returned by the registry) */
@@ -33,8 +34,8 @@ enum server_outcome {
 /* Returns true if a file or folder has that path. */
 bool server_disk_exists(const char *path);
 
-/* Creates the folder, with a durable name, unless it exists. Does not make the name of an existing
- * folder durable, even if the process that created the folder was killed. */
+/* Creates the folder and makes its name durable, unless the folder exists. The name of an existing
+ * folder may not be durable, if the process that created the folder was killed. */
 enum server_outcome server_disk_make_folder(const char *path);
 
 /* Durably writes the file `temporary`, then renames it to `path` on the same file system. */
@@ -45,7 +46,7 @@ enum server_outcome server_disk_write(const char *path, const char *temporary, c
  * server_disk_why gives the reason. */
 FILE *server_disk_stream(const char *path);
 
-/* Describes errno after a failed call of this file. */
+/* Describes errno after a function of this header has failed. */
 const char *server_disk_why(void);
 
 /* Reads the file and appends a NUL. The caller frees `*bytes`. */
@@ -87,7 +88,8 @@ server_disk_copier server_disk_link;
 #define SERVER_DISK_ASIDE        ".damaged" /* part of the names of renamed damaged files */
 #define SERVER_DISK_ASIDE_SUFFIX 64         /* largest number of bytes added to a name */
 
-/* Appends the unique `suffix` to a damaged file, and to the -wal and -shm files of a database. */
+/* Renames a damaged file: appends a unique suffix to its name, and to the names of the -wal and
+ * -shm files of a database. Writes the suffix to `suffix`. */
 void server_disk_set_aside(const char *path, char suffix[SERVER_DISK_ASIDE_SUFFIX]);
 
 #endif

@@ -77,8 +77,8 @@ enum server_config_outcome {
 
 /* Fills `*config` from the defaults, the file of --config or GEODESICD_CONFIG, the variables
  * GEODESICD_* and the flags (`argv`, NULL-terminated, after the program's name). A value of a later
- * source replaces that of an earlier source. A list (--allowed-host, --cors-origin) is extended
- * instead. Validates the result. */
+ * source replaces that of an earlier source, but the values of a list (--allowed-host,
+ * --cors-origin) are added to the earlier values. Validates the result. */
 enum server_config_outcome server_config_load(struct server_config *config, char *const argv[],
                                               FILE *out, FILE *error);
 

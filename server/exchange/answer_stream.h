@@ -40,8 +40,8 @@ struct server_answer_encoder {
        write the same text each time. In a stream the exchange has no members except the host and
        the state. */
     void (*encode)(struct server_exchange *exchange, struct proto_writer *writer);
-    /* bytes of SERVER_BUDGET_FLIGHT that the state holds; a stream counts them itself and sets this
-       to 0 */
+    /* bytes of SERVER_BUDGET_FLIGHT that the state holds; a stream moves them to
+       SERVER_BUDGET_ANSWERS, and sets this number to 0 */
     size_t *held;
     const char *media_type; /* a static string; NULL means application/json */
 };

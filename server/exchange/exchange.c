@@ -305,8 +305,8 @@ void server_exchange_add_header(struct server_exchange *exchange, const char *na
     if (strncasecmp(name, "If-", 3) == 0) exchange->has_conditions = true;
 }
 
-/* Compares names, ignoring case. Compares the first letters first, because most names differ
- * there. */
+/* Compares names, ignoring case. Compares the first letters first, because most names differ in
+ * them. */
 static inline bool name_equal(const char *a, const char *b)
 {
     return ((*a ^ *b) & ~('a' ^ 'A')) == 0 && strcasecmp(a, b) == 0;

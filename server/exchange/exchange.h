@@ -7,7 +7,7 @@
  * under the workers' lock, and back by transport->finish. A thread that has submitted, parked or
  * finished an exchange must not use it any more. The transport of an exchange is a connection
  * (http.c), a job whose answer is stored (job_table.h), an item of a batch (batch_runner.c), or a
- * stream for the rest of an answer (server_exchange_detach). Handlers do not depend on the kind of
+ * stream for the rest of an answer (server_exchange_detach). Handlers do not depend on the
  * transport.
  *
  * States: reading -> ready -> answered, or deferred -> answered. An exchange is answered when
@@ -70,7 +70,8 @@ struct server_body {
 bool server_body_prepare(struct server_body *body, struct server_budget *budget, uint64_t declared,
                          uint64_t limit, struct proto_problem *problem);
 
-/* Prepares to decompress a gzip body, before its first byte. Size and limit apply to the result. */
+/* Prepares to decompress a gzip body, before its first byte. `size` and `limit` then count
+ * decompressed bytes. */
 bool server_body_unpack(struct server_body *body, struct proto_problem *problem);
 
 /* Appends bytes. If the limit or the budget is exceeded, sets `failure` and drops the rest. */
@@ -301,7 +302,7 @@ void server_exchange_defer(struct server_exchange *exchange,
 /* Returns the exchange that contains the job. */
 struct server_exchange *server_exchange_of(struct server_job *job);
 
-/* Control of a long call for the exchange. The call ends at the exchange's deadline, when the
+/* Controls a long call for the exchange. The call ends early at the exchange's deadline, when the
  * workers are cancelled, or when the client has closed the connection and no other job waits for
  * `build`. Each thread that works for the exchange has its own monitor. */
 struct server_monitor {

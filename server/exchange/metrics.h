@@ -27,8 +27,8 @@ void server_metrics_count(struct server_metrics *metrics, const struct proto_rou
  * returns true. */
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status);
 
-/* Count the windows of a built field (intervals of edges, the engine's unit of work), and a search
- * for a pair of points. */
+/* The first function counts the windows of a built field (intervals of edges, the engine's unit of
+ * work). The second one counts a search for a pair of points. */
 void server_metrics_count_windows(struct server_metrics *metrics, uint64_t windows);
 void server_metrics_count_search(struct server_metrics *metrics);
 

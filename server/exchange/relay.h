@@ -37,7 +37,8 @@ struct server_stream;
 struct server_relay *server_relay_create(struct server_host *host, bool is_packed);
 void server_relay_release(struct server_relay *relay); /* NULL is allowed */
 
-/* Opens the client's end; call it once. Returns NULL if out of memory. */
+/* Opens the stream from which the client reads. Call this function once. Returns NULL if out of
+ * memory. */
 struct server_stream *server_relay_open(struct server_relay *relay);
 
 /* Appends text. If memory is short, the answer is cut. */

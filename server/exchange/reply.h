@@ -37,7 +37,8 @@ void server_reply_bytes(struct server_exchange *exchange, unsigned status, const
 void server_reply_stream(struct server_exchange *exchange, unsigned status, const char *media_type,
                          struct server_stream *stream);
 
-/* Returns whether the client accepts gzip. server_reply_coding adds the headers of a stream. */
+/* Returns whether the client accepts gzip and is not a browser on this host. server_reply_coding
+ * adds the headers Vary and Content-Encoding to a stream's answer. */
 bool server_reply_takes_gzip(const struct server_exchange *exchange);
 void server_reply_coding(struct server_exchange *exchange, bool is_packed);
 

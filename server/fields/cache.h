@@ -28,9 +28,9 @@
  * field of the lowest priority in a sample is evicted. The budget counts a field until its last pin
  * is released. A field that is published to a closed mesh cache lives as long as its pins.
  *
- * One mutex guards the whole cache; the workers' lock is acquired after this mutex. Fields are
- * freed without the mutex. The budget's reclaimer locks the mutex, so a thread that holds it must
- * not take memory from the budget. All functions are thread-safe. */
+ * One mutex guards the whole cache; the workers' lock is acquired after this mutex. No field is
+ * freed under the mutex. The budget's reclaimer locks the mutex, so a thread that holds it must not
+ * take memory from the budget. All functions are thread-safe. */
 #ifndef SERVER_FIELDS_CACHE_H
 #define SERVER_FIELDS_CACHE_H
 

@@ -4,9 +4,9 @@
  * DESIGN. An item is the first member of a result's own struct. An item is reference-counted, and
  * the budget counts it in the list's class until the last release. A *place* is the owner's pointer
  * to an item in the list. When the item is evicted, its place is set to NULL. One mutex guards the
- * list and the places. The owner may guard other data with this mutex too. Items are freed without
- * it. The budget's reclaimer locks it, so a thread that holds it must not take memory from the
- * budget. */
+ * list and the places. The owner may guard other data with this mutex too. No item is freed under
+ * the mutex. The budget's reclaimer locks the mutex, so a thread that holds it must not take memory
+ * from the budget. */
 #ifndef SERVER_FIELDS_LRU_H
 #define SERVER_FIELDS_LRU_H
 

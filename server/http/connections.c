@@ -120,9 +120,9 @@ static bool is_read(const struct tcp_info *info)
 
 enum reading { READING_NOTHING, READING, READ_ALL };
 
-/* Returns whether the client has acknowledged all bytes, at least ACKNOWLEDGED bytes since the last
- * call, or fewer. The library's writes do not show this, because the kernel buffers megabytes. Unix
- * sockets rely on the library's timer. */
+/* Returns which of three cases holds: the client has acknowledged all bytes; at least ACKNOWLEDGED
+ * bytes since the last call; or fewer. The library's writes do not show this, because the kernel
+ * buffers megabytes. Unix sockets rely on the library's timer. */
 static enum reading connection_look(struct server_connection *connection)
 {
     struct tcp_info info;

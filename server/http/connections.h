@@ -11,11 +11,11 @@
  *     idle    30 s
  *
  * An eighth of the allowed connections is the reserve for new clients. While the reserve is in use,
- * the thread shuts down connections that wait for their clients. It chooses them from addresses
- * that have at least half as many such connections as the address that has the most of them. It
- * begins with unfinished heads older than a second, the oldest first. Then it shuts down idle
- * connections, the longest idle first. While less than half of the reserve is free, it also shuts
- * down connections with younger heads and connections of other addresses. */
+ * the thread shuts down connections that wait for their clients. Let n be the largest number of
+ * such connections from one address. The thread chooses connections from addresses that have at
+ * least n/2 of them. It begins with unfinished heads older than a second, the oldest first. Then it
+ * shuts down idle connections, the longest idle first. While less than half of the reserve is free,
+ * it also shuts down connections with younger heads and connections of other addresses. */
 #ifndef SERVER_HTTP_CONNECTIONS_H
 #define SERVER_HTTP_CONNECTIONS_H
 

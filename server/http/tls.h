@@ -17,8 +17,8 @@ struct server_tls;
 struct server_tls *server_tls_open(const char *certificate, const char *key,
                                    char error[SERVER_ERROR]);
 
-/* Reads the files again, one thread at a time. On failure, returns false with a sentence in
- * `error`; the old pair stays in use. */
+/* Reads the files again. Only one thread at a time may call this function. On failure, returns
+ * false with a sentence in `error`; the old pair stays in use. */
 bool server_tls_reload(struct server_tls *tls, char error[SERVER_ERROR]);
 
 /* Call this function after the last handshake. NULL is allowed. */

@@ -5,7 +5,7 @@
  * exchange that goes through dispatch, handler and workers as a client's request does. The thread
  * receives the answer. Only this thread writes items of the queue: it renews leases, writes
  * answers, and returns items that failed for lack of time, memory or workers (503, 504, 507). A
- * drain returns all running items.
+ * drain returns all running items to the queue.
  *
  * The queue is in the store's database: in PostgreSQL, or in a SQLite file in the data folder,
  * which the first batch creates. With a store in memory, the queue is in memory, too. */

@@ -1,5 +1,5 @@
 /* API: the parts of the daemon that only handlers use. The parts that every request uses are in
- * struct server_host. server.c fills it in. All parts outlive the exchanges. */
+ * struct server_host. server.c fills in both structs. All parts outlive the exchanges. */
 #ifndef SERVER_QUERY_API_H
 #define SERVER_QUERY_API_H
 

@@ -125,8 +125,8 @@ struct server_query_kind {
     enum server_query_turn (*try_inline)(struct server_query *query);
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query);
-    /* Runs on a worker. Names a set that takes time to locate. If this member is NULL, the pending
-       set is located. */
+    /* Runs on a worker if the query has not named a set yet, because the set takes time to locate.
+       Names the set. If this member is NULL, the pending set is located. */
     bool (*prepare)(struct server_query *query);
     /* Runs after the pending set is located. May be NULL. */
     bool (*located)(struct server_query *query);

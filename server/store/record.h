@@ -45,7 +45,8 @@
 /* A longer description is shortened when it is read, if the kind has a function for this. */
 #define SERVER_DESCRIPTION_USUAL ((size_t)16 << 10)
 
-/* The first member of a struct that lives as long as its record. */
+/* A struct that can be attached to a record begins with this member, and lives as long as the
+ * record. */
 struct server_attached {
     size_t bytes; /* counted as SERVER_BUDGET_RECORDS */
     void (*destroy)(struct server_attached *attached);

@@ -112,8 +112,8 @@ struct server_store_sql {
 /* Opens a SQLite file, and creates it if it is missing. The path ":memory:" opens a database in
  * memory. `steps` are the statements that make the tables; static and NULL-terminated. The file's
  * version is the number of its steps. If the file turns out to be damaged, now or later, it is
- * renamed, and an empty file replaces it. On failure, returns NULL with a sentence in `error`. It
- * fails for a file that a later version of the daemon wrote, and does not change this file. */
+ * renamed, and an empty file replaces it. On failure, returns NULL with a sentence in `error`.
+ * Refuses a file that a later version of the daemon wrote, and leaves it unchanged. */
 struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps,
                                                      char error[SERVER_ERROR]);
 

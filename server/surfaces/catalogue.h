@@ -37,9 +37,9 @@ struct server_resource {
     atomic_uint_least64_t uses; /* number of times that the resource was found */
 };
 
-/* Creates a resource with one reference. Takes over the set; copies the description, with its own
- * id and a copy of its set. Returns NULL if budget or system have no memory; the caller then still
- * owns the set. */
+/* Creates a resource with one reference. Takes over the set. Copies the description, including the
+ * texts of its id and its set. Returns NULL if budget or system have no memory; the caller then
+ * still owns the set. */
 struct server_resource *server_resource_create(const char *id, struct proto_located_set *set,
                                                const struct proto_field_description *description,
                                                struct server_budget *budget);

@@ -191,8 +191,8 @@ static size_t registry_unloadable(void *user)
     return bytes;
 }
 
-/* Removes the least recently used surface that can be unloaded from its slot, and returns it, or
- * NULL if there is none. */
+/* Finds the least recently used surface that can be unloaded, and removes it from its slot. Returns
+ * the surface, or NULL if there is none. */
 static struct server_surface *surface_take_coldest(struct server_registry *registry,
                                                    bool without_fields)
 {

@@ -100,8 +100,8 @@ void server_budget_adjust(struct server_budget *budget, enum server_budget_class
 size_t server_budget_available(struct server_budget *budget);
 bool server_budget_could_take(struct server_budget *budget, size_t bytes);
 
-/* Sets the problem insufficient_memory, with the text that `what` ("the mesh") needs `bytes`, which
- * is too much. 0 means that the number is unknown. Returns false. */
+/* Sets the problem insufficient_memory. Its text says how many bytes `what` ("the mesh") needs; 0
+ * means that the number is unknown. Returns false. */
 bool server_budget_refuse(struct server_budget *budget, const char *what, size_t bytes,
                           struct proto_problem *problem);
 

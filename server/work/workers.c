@@ -225,7 +225,8 @@ bool server_workers_park(struct server_workers *workers, struct server_job *job,
     return true;
 }
 
-/* Under the lock: returns the link to the first job that is parked there; the link may be NULL. */
+/* Under the lock: returns the link to the first job that is parked at the address. The link is NULL
+ * if there is none. */
 static struct server_job **parked_find(struct server_workers *workers, const void *at)
 {
     struct server_job **link = &workers->parked;

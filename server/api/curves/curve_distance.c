@@ -27,8 +27,8 @@ static bool curves_decode(struct server_query *query, const json_t *document)
                                        query->problem);
 }
 
-/* Makes a curve from the seeds of a set: points, each followed by its segment. The last point of an
- * open curve has no segment. */
+/* Converts the seeds of a set to a curve. Each point is followed by its segment, except the last
+ * point of an open curve. */
 static bool curve_of_set(const struct proto_located_set *set, struct gd_curve *out)
 {
     struct gd_curve curve = {.count = (set->seed_count + 1) / 2,

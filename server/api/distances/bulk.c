@@ -128,8 +128,8 @@ static void text_locate_piece(void *user, uint32_t piece)
     if (!ok || points.at != points.end) atomic_store(&text->has_failed, true);
 }
 
-/* Reads a list behind its opening bracket. Returns false if the text is not plain, or a point is
- * wrong. */
+/* Reads a list whose opening bracket was already read. Returns false if the text is not plain, or a
+ * point is wrong. */
 static bool list_read_text(struct server_query *query, struct proto_bulk_text *all,
                            struct point_list *list)
 {

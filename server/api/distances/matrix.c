@@ -22,7 +22,7 @@
 #include "server/work/budgeted_call.h"
 #include "server/work/executor.h"
 
-/* for so few columns, searches take half as long as a field */
+/* searches for this many columns take half as long as a field */
 #define FEW_COLUMNS (SERVER_CACHE_SEARCHES / 2)
 /* bytes that an evaluation needs for each column, see gd_field_distances */
 #define BYTES_A_COLUMN 16

@@ -106,8 +106,8 @@ static bool fix_version(struct server_exchange *exchange, const struct proto_man
     return false;
 }
 
-/* Checks the number of batches. Too many batches are the problem conflict, because the number
- * decreases only by a DELETE, not with time. */
+/* Checks the number of batches. If there are too many, the problem is conflict, because a retry can
+ * succeed only after a DELETE. */
 static bool check_room(struct server_exchange *exchange, struct server_store_sql *sql)
 {
     int64_t count;

@@ -20,7 +20,7 @@ struct server_smooth_ends {
     const char *form; /* name of the form in a problem, such as "two numbers" */
 };
 
-/* Parse u,v and f:FACE:u,v or f:FACE:CORNER:u,v. */
+/* The first function parses u,v. The second one parses f:FACE:u,v and f:FACE:CORNER:u,v. */
 bool server_smooth_uv(const char *text, json_t **out);
 bool server_smooth_place(const char *text, json_t **out);
 

@@ -16,7 +16,7 @@
 #define SEARCH_BYTES   ((size_t)4 << 20) /* a search, with the traces that straighten the path */
 #define BYTES_PER_EDGE 224               /* as for a search on any mesh (query.c) */
 #define TRACE_BYTES    ((size_t)1 << 20) /* bytes of one trace on the smooth surface */
-/* bytes of a segment of a path that stops where it meets itself */
+/* bytes for each segment of a path, if the path must stop where it meets itself */
 #define SEGMENT_BYTES 40
 /* fraction of the progress for building a discretization */
 #define BUILD_SHARE 0.3

@@ -37,7 +37,7 @@ struct head {
 struct format {
     char word[8];
     size_t head, item; /* bytes of the head, and of one vertex */
-    uint32_t numbers;  /* number of numbers of a vertex */
+    uint32_t numbers;  /* how many numbers a vertex has */
     void (*read)(const void *item, double *out);
     const char *maker, *noun;
     /* names of members of the answer: the surface, and the numbers of all vertices */

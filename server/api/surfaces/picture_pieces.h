@@ -6,8 +6,8 @@
 #include "server/api/surfaces/picture_drawing.h"
 
 /* Builds the mesh of the pieces as the figure's surface and adds their boundaries as layer i.
- * `arrays` are those of a cut that is drawn: positions, corners, piece_vertices, piece_corners. On
- * failure returns false with the problem. */
+ * `arrays` are the arrays that a cut lists for a figure: positions, corners, piece_vertices,
+ * piece_corners. On failure returns false with the problem. */
 bool server_pieces_draw(struct server_picture_layers *layers, struct server_query *query,
                         uint32_t i, const struct server_arrays *arrays);
 

@@ -1,8 +1,8 @@
 /* See store.h: --backup and --restore, which differ only in how they copy objects.
  *
- * The copy is made from the database at one moment, and then from the objects that its rows name.
- * If an object was deleted meanwhile, the copy starts again. The batches are copied first, so that
- * the copy has the surfaces that the batches query, unless these surfaces were removed later.
+ * The command copies the database in its state of one moment, and then the objects that its rows
+ * name. If an object was deleted meanwhile, the copy starts again. The batches are copied first, so
+ * that the copy has the surfaces that the batches query, unless these surfaces were removed later.
  *
  * The copy's folder has a marker until the last file is durable. No daemon starts on an interrupted
  * copy. Running the same command again completes the copy. */

@@ -200,7 +200,7 @@ static bool mark_unfinished(const struct server_files *files, const char *path)
 }
 
 /* Returns true if a folder contains data of a store. With `removes`, also removes all files except
- * objects, because an earlier attempt may have copied another moment or another backup. */
+ * objects, because an earlier attempt may have copied an earlier state or another backup. */
 static bool has_data(const struct server_files *files, bool removes)
 {
     static const struct {

@@ -1,6 +1,6 @@
 /* The parts of a local store: its files and its database. The data folder:
  *
- *     lock                          locked by the process that has the store, as is the folder
+ *     lock                          the process that uses the store locks this file and the folder
  *     unfinished                    exists while a copy by --backup or --restore is incomplete
  *     geodesicd.db, -wal, -shm      SQLite: the records as rows
  *     batches.db, -wal, -shm        SQLite: the batches; created for the first batch

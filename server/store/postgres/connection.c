@@ -382,8 +382,9 @@ static enum server_outcome attempt_commit(struct server_pg_attempt *attempt)
     return outcome;
 }
 
-/* Queries the status of a COMMIT that was not answered. Returns DONE if it was committed, STALE if
- * it was aborted, UNAVAILABLE if this is unknown or it is in progress. */
+/* Queries the status of a transaction whose COMMIT was not answered. Returns DONE if the
+ * transaction was committed, STALE if it was aborted, UNAVAILABLE if it is in progress or its
+ * status is unknown. */
 static enum server_outcome attempt_ask(struct server_pg_attempt *attempt)
 {
     struct server_sql_integers ended = {0};

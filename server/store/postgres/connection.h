@@ -85,7 +85,7 @@ bool server_pg_next(struct server_pg_attempt *attempt);
 bool server_pg_await(struct server_pg *pg, uint64_t ns);
 
 /* --- objects: files and attachments (record.h) as rows of a MiB each -------------------------- */
-/* Each function is part of a transaction or a reading, and returns the outcomes of
+/* Call these functions in the loop of a transaction or a reading. They return the outcomes of
  * server_pg_run. */
 
 /* Writes the chunks that are missing or damaged; the database verifies the others. */
