@@ -60,7 +60,7 @@ class Types:
 
 def main():
     document = yaml.safe_load(pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else CONTRACT).read_text())
-    print('"""Answers, as types. Made from the contract by generate.py; changes belong there."""\n'
+    print('"""Types of the answers. generate.py makes this file from proto/openapi.yaml; do not edit it."""\n'
           "from typing import Any, Dict, List, Literal, TypedDict, Union")
     types = Types(document["components"]["schemas"])
     for root in ROOTS:

@@ -1,4 +1,4 @@
-"""Answers, as types. Made from the contract by generate.py; changes belong there."""
+"""Types of the answers. generate.py makes this file from proto/openapi.yaml; do not edit it."""
 from typing import Any, Dict, List, Literal, TypedDict, Union
 
 
