@@ -349,8 +349,8 @@ export type BatchVoronoi = {
   geometry?: ("full" | "xyz" | "none");
   set: Set;
   /**
-   * Greatest distance, as a length, between a bisector and the polyline that approximates it. The
-   * default is 1/2000 of the diagonal of the mesh's bounding box.
+   * Greatest distance between a bisector and the polyline that approximates it, in the unit of the
+   * mesh. The default is 1/2000 of the diagonal of the mesh's bounding box.
    */
   tolerance?: number;
 };
@@ -723,8 +723,8 @@ export type IsolinesRequest = {
   /** Number of levels, evenly spaced between 0 and the field's maximum, both excluded. */
   count?: number;
   /**
-   * Greatest distance, as a length, between a line and the polyline that approximates it. The
-   * default is that of GET.
+   * Greatest distance between a line and the polyline that approximates it, in the unit of the
+   * mesh. The default is that of GET.
    */
   tolerance?: number;
   arcs?: boolean;
@@ -748,8 +748,8 @@ export type CutLocusRequest = {
    */
   min_angle?: number;
   /**
-   * Greatest distance, as a length, between a line and the polyline that approximates it. The
-   * default is 1/2000 of the diagonal of the mesh's bounding box.
+   * Greatest distance between a line and the polyline that approximates it, in the unit of the
+   * mesh. The default is 1/2000 of the diagonal of the mesh's bounding box.
    */
   tolerance?: number;
 };
@@ -775,8 +775,8 @@ export type CutLocusLine = {
 export type VoronoiRequest = {
   set: Set;
   /**
-   * Greatest distance, as a length, between a bisector and the polyline that approximates it. The
-   * default is 1/2000 of the diagonal of the mesh's bounding box.
+   * Greatest distance between a bisector and the polyline that approximates it, in the unit of the
+   * mesh. The default is 1/2000 of the diagonal of the mesh's bounding box.
    */
   tolerance?: number;
 };
@@ -1036,7 +1036,10 @@ export type PictureIsoparametric = {
    * lines.
    */
   u?: number;
-  /** As `u`. */
+  /**
+   * Number of equal parts into which the lines of constant v divide the range of v; 0 draws no such
+   * lines.
+   */
   v?: number;
 };
 
@@ -1580,7 +1583,7 @@ export type Mesh = {
     /**
      * Number of lines of the file that were wholly or partly skipped: faces with fewer than three
      * corners, extra values after a record in PLY text, unknown lines of a PLY header, corners of a
-     * glTF primitive behind its last whole triangle.
+     * glTF primitive after its last whole triangle.
      */
     lines_skipped?: number;
     /**
@@ -1668,7 +1671,7 @@ export type UsdMesh = {
 
 export type Subdivision = {
   name: Name;
-  /** Of the uploaded bytes. */
+  /** SHA-256 of the uploaded bytes. */
   sha256: string;
   scheme: ("catmull_clark" | "loop");
   /** Vertices of the control mesh. `edges` and `faces` also count elements of the control mesh. */
@@ -1810,7 +1813,7 @@ export type LevelRequest = {
 
 export type LevelAnswer = {
   level: Count;
-  /** Memory of what the request names. */
+  /** Memory of the discretizations that the request names. */
   bytes: Count;
 };
 
@@ -1865,7 +1868,7 @@ export type SimplifyRequest = {
   operation: "simplify";
   /** Stops at this number of faces. */
   faces?: number;
-  /** Greatest distance (a length) from the mesh that is simplified. */
+  /** Greatest distance from the mesh that is simplified, in its unit. */
   max_distance?: number;
   /** Keeps all boundary edges. */
   keep_boundary?: boolean;
@@ -1926,7 +1929,7 @@ export type DiscretizeRequest = {
    * `least_level` of the description of the surface.
    */
   level?: number;
-  /** A length. */
+  /** Greatest distance of a triangle from the surface, in the unit of the surface. */
   tolerance?: number;
 };
 
@@ -2051,7 +2054,7 @@ export type NurbsAxis = {
 
 export type Nurbs = {
   name: Name;
-  /** Of the uploaded bytes. */
+  /** SHA-256 of the uploaded bytes. */
   sha256: string;
   /** Shape of the file. Only the shape `nurbs` has the next four members. */
   shape: ("nurbs" | "torus" | "helicoid" | "graph" | "revolution");
@@ -2302,7 +2305,7 @@ export type GeodesicAnswer = {
 /** Either `tolerance` or `resolution`. */
 export type TessellateRequest = {
   mesh: Name;
-  /** A length. */
+  /** Approximate greatest distance of an edge from the surface, in the unit of the surface. */
   tolerance?: number;
   /** Number of parts in u and in v. */
   resolution?: [number, number];
