@@ -32,7 +32,7 @@ static bool is_literal(struct proto_capture segment, const char *text)
            text[segment.length] == '\0';
 }
 
-/* Compares the last segments first, because most routes differ there. */
+/* Compares the last segments first, because most routes differ in them. */
 static bool may_match(const struct proto_route *route, const struct split_path *path)
 {
     if (route->segment_count != path->count) return false;

@@ -28,7 +28,7 @@ struct server_workers {
 };
 
 /* The job that this thread runs; all zero means none. Jobs that the running job submits get the
- * same lane and kind. */
+ * same lane, and are patient if the running job is patient. */
 static _Thread_local struct running {
     const struct server_workers *workers;
     struct server_lane *lane;

@@ -90,7 +90,8 @@ static bool isoparametric_draw(struct server_picture_layers *layers, struct serv
     uint32_t parts = side ? wanted->isoparametric.v : wanted->isoparametric.u,
              count = parts ? parts + !across->closed : 0;
     struct gd_picture_layer *drawn = server_drawn_add(layers, i);
-    /* at most every second point begins a part, and has a point of the border on each side */
+    /* at most every second sample begins a part, and a part has two more points: those at which the
+       line crosses the border */
     struct gd_vec3 *points =
         server_drawn_lines(layers, query, (const uint32_t[]){count * ISO_POINTS / 2 + 1, 4}, drawn);
     if (!points) return false;
