@@ -65,7 +65,7 @@ enum server_quota_outcome server_quota_enter(struct server_quota *quota,
                                              uint64_t *wait_ns);
 void server_quota_leave(struct server_quota *quota);
 
-/* An operator may read, and sees the metrics of all tenants. */
+/* The role operator includes the role read, and may also see the metrics of all tenants. */
 enum server_role { SERVER_ROLE_READ, SERVER_ROLE_WRITE, SERVER_ROLE_OPERATOR };
 
 struct server_credential {

@@ -52,7 +52,8 @@ const char *server_disk_why(void);
 /* Reads the file and appends a NUL. The caller frees `*bytes`. */
 enum server_outcome server_disk_read(const char *path, void **bytes, size_t *size);
 
-/* Reads a file in pieces, if possible not from the page cache. `visit` returns false to stop. */
+/* Reads a file in pieces, from the disk instead of the page cache if possible. `visit` returns
+ * false to stop. */
 enum server_outcome server_disk_scan(const char *path,
                                      bool (*visit)(void *user, const void *bytes, size_t size),
                                      void *user);

@@ -29,8 +29,9 @@
 
 struct server_exchange;
 
-/* The headers If-Match and If-None-Match: the values that the client sent, in order, each array
- * ended by NULL. Several values count as one list. The values are borrowed. */
+/* The values of the headers If-Match and If-None-Match, in the order in which the client sent them.
+ * Each array ends with NULL. Several values of one header count as one list. The values are
+ * borrowed. */
 struct server_precondition {
     const char *if_match[SERVER_ETAG_LINES + 1], *if_none_match[SERVER_ETAG_LINES + 1];
 };

@@ -95,8 +95,8 @@ struct server_response_header {
     char value[SERVER_HEADER_VALUE];
 };
 
-/* The middle of a response's body. The lender owns these bytes, and counts them in the budget until
- * they are released. */
+/* Bytes in the middle of a response's body. The lender owns these bytes, and counts them in the
+ * budget until they are released. */
 struct server_lent {
     const void *bytes; /* NULL means `body` is the whole body */
     size_t size;
@@ -311,7 +311,7 @@ struct server_monitor {
     bool (*is_awaited)(struct server_pending_build *build); /* set with `build` */
     /* the call is the part [begun, begun + share] of the exchange's progress; share 0 means all */
     double begun, share;
-    uint64_t limit_ns; /* a deadline of the call before that of the request; 0 means none */
+    uint64_t limit_ns; /* an earlier deadline, for this call only; 0 means none */
 };
 struct gd_control server_exchange_control(struct server_monitor *monitor);
 

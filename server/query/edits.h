@@ -20,7 +20,7 @@ struct server_edits {
     size_t held;                  /* bytes of SERVER_BUDGET_FLIGHT */
 };
 
-/* Runs the edits on a worker. `part` is the part of the exchange's progress for the edits. On
+/* Runs the edits on a worker. `part` monitors the edits as a part of the exchange's progress. On
  * failure, returns false with the problem. */
 bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
                       struct proto_problem *problem);

@@ -170,8 +170,8 @@ void server_query_handle(struct server_exchange *exchange, const struct server_q
 
 /* --- for the steps ---------------------------------------------------------------------------- */
 
-/* Return the monitor of a long call, which is the part [begun, begun + share] of the query's
- * progress, or of the progress of another monitor. */
+/* Return the monitor of a long call. The call is the part [begun, begun + share] of the query's
+ * progress in the first function, of the progress of the monitor `whole` in the second. */
 struct server_monitor server_query_monitor(const struct server_query *query, double begun,
                                            double share);
 struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun,
@@ -277,9 +277,9 @@ bool server_field_query_of_set(struct server_query *query, struct proto_set *set
 void server_field_query_of_located(struct server_query *query, const struct proto_located_set *set,
                                    double max_distance);
 
-/* Like server_field_query_of_set, but name the set of a field resource: that of the request's path,
- * or that of an id. Problems of the id refer to the parameter `field`. On failure, return false
- * with not_found or field_evicted. */
+/* Like server_field_query_of_set, but the set is that of a field resource. The first function takes
+ * the resource from the request's path, the second finds it by an id. Problems of the id refer to
+ * the parameter `field`. On failure, return false with not_found or field_evicted. */
 bool server_field_query_of_resource(struct server_query *query);
 bool server_field_query_of_id(struct server_query *query, const char *id);
 

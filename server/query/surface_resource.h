@@ -9,9 +9,9 @@
 #include "server/surfaces/registry.h"
 
 /* Builds the surface of a record from the bytes of its file, and stores the description in the
- * record. `part` is the part of the exchange's progress. `attachment` (may be NULL) is malloc'ed
- * and counted as SERVER_BUDGET_FLIGHT; the call owns it, even when it fails. On failure, returns
- * NULL with the problem. */
+ * record. `part` monitors the build as a part of the exchange's progress. `attachment` (may be
+ * NULL) is malloc'ed and counted as SERVER_BUDGET_FLIGHT; the call owns it, even when it fails. On
+ * failure, returns NULL with the problem. */
 struct server_surface *server_surface_resource_build(struct server_monitor *part,
                                                      struct server_record *record,
                                                      const void *bytes, void *attachment,

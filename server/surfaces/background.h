@@ -55,8 +55,8 @@ struct server_background *server_background_start(struct server_background *back
 void server_background_stop(struct server_background *background);
 void server_background_destroy(struct server_background *background); /* stops it first */
 
-/* Under the lock: queues a slot without a result. If it returns true, the caller must wake the
- * thread. */
+/* Called under the lock. Queues a slot that has no result. If it returns true, the caller must wake
+ * the thread. */
 bool server_background_queue(struct server_background *background,
                              struct server_background_slot *slot);
 

@@ -18,10 +18,10 @@
 #include "gd/executor.h"
 #include "server/work/workers.h"
 
-/* Returns an executor of at most `width` threads, including the calling thread, and of at most as
- * many as there are workers. Returns NULL if that is only one thread or memory is short; the engine
- * then runs all tasks on the calling thread. Use the executor only in the thread of the job that
- * called this function. */
+/* Returns an executor with at most `width` threads, including the calling thread, and with at most
+ * as many threads as there are workers. Returns NULL if the limit is one thread or memory is short;
+ * the engine then runs all tasks on the calling thread. Use the executor only in the thread of the
+ * job that called this function. */
 const struct gd_executor *server_executor_start(struct server_workers *workers, uint32_t width,
                                                 uint64_t deadline_ns);
 

@@ -10,9 +10,9 @@
  * active starts at the least time of the others). Each lane is first in, first out. Urgent jobs,
  * for which clients wait, precede patient jobs, but after 16 urgent jobs a patient job follows.
  *
- * Limits, separately for urgent and patient jobs: all lanes together hold `length` jobs. A tenant
- * may have at most as many waiting jobs as all lanes still have room for (dynamic thresholds,
- * Choudhury and Hahne, 1998).
+ * Limits, which hold separately for urgent and for patient jobs: all lanes together have at most
+ * `length` waiting jobs. A tenant has at most as many waiting jobs as there is room left in all
+ * lanes (dynamic thresholds, Choudhury and Hahne, 1998).
  *
  * Spare workers are threads beyond the number of workers. A spare worker takes an urgent job while
  * patient jobs occupy workers, or a job whose tenant has no running job.

@@ -9,9 +9,9 @@
  *
  * Workers run at nice 10. A long job gets idle priority (SCHED_IDLE): the kernel treats its core as
  * idle, so a thread that wakes there runs at once. To prevent starvation on a busy machine, a job
- * that gets less than an eighth of a core's time returns to normal priority for one second, then
- * for two, then four. Leaving idle priority needs a right (CAP_SYS_NICE, LimitNICE=). Without it a
- * worker never enters idle priority. */
+ * that gets less than an eighth of a core's time returns to normal priority: the first time for one
+ * second, then for two, then for four. Leaving idle priority needs a right (CAP_SYS_NICE,
+ * LimitNICE=). Without it a worker never enters idle priority. */
 #ifndef SERVER_WORK_THREAD_PRIORITY_H
 #define SERVER_WORK_THREAD_PRIORITY_H
 

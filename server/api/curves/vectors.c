@@ -451,7 +451,7 @@ static enum gd_status log_write_vertices(struct log_query *own, const struct gd_
                             writing = server_exchange_control(&second);
     double *angles = server_query_allocate(query, 4 * (size_t)count, sizeof *angles),
            *lengths = angles + count;
-    /* the second half stays unused: it counts the memory that the engine allocates */
+    /* the second half stays unused: its bytes stand for the memory that the engine allocates */
     if (!angles) return GD_BUDGET;
     enum gd_status status = gd_vector_log_all(field, &mapping, angles, lengths, NULL);
     for (uint32_t i = 0; i < count && !status; i++) {

@@ -6,9 +6,9 @@
 
 #include "server/query/query.h"
 
-/* Like server_query_fail, with the engine's detail in the problem. Where control points coincide, a
- * surface may have no normal. This is the client's error invalid_mesh, not an internal error.
- * Returns FAILED. */
+/* Like server_query_fail, but adds the engine's detail to the problem. Where control points
+ * coincide, a surface may have no normal. This is the client's error invalid_mesh, not an internal
+ * error. Returns FAILED. */
 enum server_query_turn server_smooth_fail(const struct server_query *query, enum gd_status status,
                                           const struct gd_detail *detail, const char *what);
 

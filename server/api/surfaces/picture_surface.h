@@ -1,6 +1,6 @@
 /* Picture surface: the mesh that a figure shows. For a mesh, this is the mesh itself, or the pieces
  * of a cut. For a smooth surface, it is a mesh that approximates the surface; the exact field of
- * this mesh stands for the field of the surface. */
+ * this mesh approximates the field of the surface. */
 #ifndef SERVER_API_SURFACES_PICTURE_SURFACE_H
 #define SERVER_API_SURFACES_PICTURE_SURFACE_H
 

@@ -75,7 +75,7 @@ static enum server_outcome sync_names(const char *folder)
 }
 
 /* Creates a folder and its parents. Also makes the names of existing folders durable, because a
- * process that created them may have been killed before it did so. */
+ * process that created them may have been killed before it made them durable. */
 static enum server_outcome make_path(const char *folder)
 {
     char path[SERVER_STORE_FOLDER];
