@@ -6,7 +6,7 @@
 # the system's clang: libclang-rt-{clang}-dev. --headers unpacks one package below FOLDER, without
 # the packages that it depends on, and installs only the libraries of the same source. --npm
 # installs npm below FOLDER if the system has no npm. Needs apt, and root or sudo if a package is
-# missing. Neither starts nor enables the services of servers (PostgreSQL, HAProxy).
+# missing. Does not start or enable the services of servers (PostgreSQL, HAProxy).
 set -euo pipefail
 
 # The installation leaves only the packages: no downloads, no caches, no translations.

@@ -11,8 +11,8 @@ PREFIX    ?= /usr/local
 LIBDIR    ?= $(PREFIX)/lib
 UNITDIR   ?= $(PREFIX)/lib/systemd/system
 DOCDIR    := $(PREFIX)/share/doc/geodesicd
-# The folder of Python packages below PREFIX. Python may not search it by default; the command
-# geodesic always does.
+# The folder of Python packages below PREFIX. Python's default search path may lack it; the command
+# geodesic always searches it.
 PYTHONDIR ?= $(firstword $(wildcard $(PREFIX)/lib/python3.*/dist-packages) $(PREFIX)/lib/python3/dist-packages)
 
 # The engine's libraries, as mode:file:destination or link:target:destination. Headers have their

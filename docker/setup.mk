@@ -6,8 +6,9 @@
 # Packages for the daemon, its pages and the demo.
 PACKAGES := g++ make libmicrohttpd-dev libjansson-dev libgnutls28-dev libseccomp-dev libsqlite3-dev \
             libpq-dev zlib1g-dev libminizip-dev libexpat1-dev python3 python3-markdown python3-yaml curl ca-certificates
-# Debian's libopenmesh-dev depends on OpenSceneGraph, with LLVM and Mesa more than 500 MB, which the
-# engine does not use. So its headers are unpacked into the checkout, unless it is installed.
+# Debian's libopenmesh-dev depends on OpenSceneGraph, LLVM and Mesa (more than 500 MB), which the
+# engine does not use. So the headers of libopenmesh-dev are unpacked into the checkout, unless the
+# package is installed.
 OPENMESH_PACKAGE := libopenmesh-dev
 # Packages that only the tests need. Tests start HAProxy and PostgreSQL themselves, so the services
 # of these packages need not run.
