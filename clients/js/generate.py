@@ -111,7 +111,7 @@ def print_queries(document, kind, interface):
 
 def main():
     document = yaml.safe_load(pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else CONTRACT).read_text())
-    print("// Made from the contract by generate.py; changes belong there.\n")
+    print("// generate.py makes this file from proto/openapi.yaml; do not edit it.\n")
     for name, schema in document["components"]["schemas"].items():
         print(f"{comment(schema, '')}export type {name} = {type_of(schema)};\n")
     for kind, interface in (("meshes", "MeshQueries"), ("subdivisions", "SubdivisionQueries"), ("nurbs", "NurbsQueries")):

@@ -1,4 +1,4 @@
-// Made from the contract by generate.py; changes belong there.
+// generate.py makes this file from proto/openapi.yaml; do not edit it.
 
 export type BatchRequest = (AllPairsBatchRequest | FieldsBatchRequest);
 
