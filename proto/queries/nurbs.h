@@ -43,7 +43,7 @@ struct proto_nurbs_description {
     uint64_t memory_bytes;
     struct proto_nurbs_form form;
     const struct gd_parametric *surface;
-    /* faces of the tessellation that seeds shortest paths; 0 means none */
+    /* faces of the tessellation that finds candidates for shortest paths; 0 means none */
     uint64_t seeding_faces;
     const char *obstacle;    /* why there is no tessellation */
     uint32_t trimming_loops; /* 0 means not trimmed */

@@ -25,8 +25,8 @@ bool proto_direction_decode(const json_t *value, const char *pointer, struct pro
                             struct proto_problem *problem);
 
 /* Computes the direction on the surface at a point. Problems at the direction's place:
- * invalid_request (a vector without a direction there), point_not_on_surface (it leads over the
- * boundary). Cost as in gd/direction.h. */
+ * invalid_request (the vector has no direction at the point), point_not_on_surface (the direction
+ * leads over the boundary). Cost as in gd/direction.h. */
 bool proto_direction_locate(const struct gd_mesh *mesh, const struct gd_point *point,
                             const struct proto_direction *direction, struct gd_direction *out,
                             struct proto_problem *problem);

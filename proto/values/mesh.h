@@ -93,8 +93,8 @@ struct proto_mesh_description {
 
 /* generated/answers.h: proto_mesh_encode writes it. */
 
-/* Writes a page of at most `limit` boundary loops, starting after number `after`, or from the first
- * one if that is -1. */
+/* Writes a page of at most `limit` boundary loops. The page starts after the loop with the number
+ * `after`; -1 means with the first loop. */
 void proto_boundaries_encode(struct proto_writer *writer, const struct gd_mesh *mesh, int64_t after,
                              uint32_t limit);
 
