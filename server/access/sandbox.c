@@ -286,8 +286,8 @@ static int filter_load(scmp_filter_ctx filter, bool connects)
 /* --- the two steps ---------------------------------------------------------------------------- */
 
 /* Keeps the right to raise a thread's priority by RLIMIT_NICE, which works without CAP_SYS_NICE. If
- * the limit can't be raised (CAP_SYS_RESOURCE), all threads inherit the higher priority, and
- * workers lower theirs. */
+ * the limit can't be raised (this needs CAP_SYS_RESOURCE), sets the priority of HTTP threads now:
+ * all later threads inherit it, and workers lower theirs. */
 static void keep_priorities(void)
 {
     const rlim_t most = 20 - SERVER_HTTP_NICE;

@@ -4,7 +4,7 @@
  * DESIGN. The sandbox has two steps, because the daemon needs more rights until it listens.
  *
  * server_sandbox_enter runs before the first thread and after the TCP port is bound.
- * - No new privileges: an exec gains none by setuid.
+ * - No new privileges: setuid bits have no effect when a program is executed.
  * - No capabilities: a daemon that runs as root reads only files whose mode lets root read them.
  * - Landlock (Linux 5.19) restricts each thread to these actions:
  *   - in the data folder: all actions except making devices, sockets, FIFOs and symbolic links, and

@@ -491,7 +491,7 @@ static enum server_config_outcome load_flags(struct loader *loader, char *const 
 
 /* --- the result ------------------------------------------------------------------------------- */
 
-/* Sets the default data folder: that of the system for root, otherwise that of the user. */
+/* Sets the default data folder: for root a folder of the system, otherwise a folder of the user. */
 static bool find_data_dir(struct server_config *config)
 {
     const char *data_home = getenv("XDG_DATA_HOME"), *home = getenv("HOME");

@@ -10,8 +10,7 @@
 #include "server/exchange/events.h"
 
 #define TARGET_MOST 8192 /* bytes */
-/* limit on the bytes of a request's head; the library needs the rest of its memory for the answer
- * */
+/* limit on the bytes of a request's head; the library needs the rest of its memory for answers */
 #define HEAD_MOST 12288
 #define BLANKS    " \t"
 

@@ -170,7 +170,7 @@ void server_connections_check(struct server_connections *connections, uint64_t n
 
 /* --- the reserve ------------------------------------------------------------------------------ */
 
-/* Returns the number of connections that must be shut down so that `free` can be opened.
+/* Returns the number of connections that must be shut down so that `free` new ones can be opened.
  * Connections that were already shut down do not count as open. */
 static uint32_t connections_excess(struct server_connections *connections, uint32_t free)
 {

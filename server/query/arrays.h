@@ -62,7 +62,7 @@ void server_arrays_add_indices(struct server_arrays *arrays, const char *name, u
 void server_arrays_add_member(struct server_arrays *arrays, const char *name, uint64_t rows,
                               const double *first, size_t stride);
 
-/* Copies all rows of an array of numbers. Its `columns` must not be 0. */
+/* Copies all rows of the array to `out`. */
 void server_array_copy(const struct server_array *array, void *out);
 
 /* Writes the rows as JSON: an array of numbers, or of arrays of `columns` numbers. The array has at

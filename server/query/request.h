@@ -22,7 +22,8 @@ bool server_request_is_plain(struct server_exchange *exchange);
 /* Reads the seconds that the request may wait. Returns false after replying with a problem. */
 bool server_request_wait(struct server_exchange *exchange, uint64_t *wait_s);
 
-/* Returns the time of gd_now_ns at which a wait of `wait_s` ends, or earlier at the deadline. */
+/* Returns the time of gd_now_ns at which a wait of `wait_s` seconds ends. The wait ends at the
+ * latest one second before the deadline. */
 uint64_t server_request_wait_end(const struct server_exchange *exchange, uint64_t wait_s);
 
 /* Read the requested page of a list. The second function also reads `prefix`, which selects names.

@@ -131,7 +131,7 @@ struct server_attached *server_record_attach(struct server_record *record,
 /* Returns the key, borrowed from the record. */
 struct server_key server_record_key(const struct server_record *record);
 
-/* Returns whether both have the same key, objects and options. */
+/* Returns whether both records have the same key, objects and options. */
 bool server_record_equal(const struct server_record *a, const struct server_record *b);
 
 /* Returns the record's text, NUL-terminated, malloc'ed. Returns NULL if out of memory. */

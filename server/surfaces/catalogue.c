@@ -75,7 +75,7 @@ struct gd_field_request server_resource_request(const struct server_resource *re
                                      .radius = resource->description.max_distance};
 }
 
-/* Appends member by member, without the padding. */
+/* Appends the members of the seed one by one, because the padding of structs is undefined. */
 static void text_append_seed(struct proto_writer *text, const struct gd_seed *seed)
 {
     proto_append(text, (const char *)&seed->point, sizeof seed->point);

@@ -27,8 +27,8 @@
 
 struct server_workspaces;
 
-/* Creates a stack of at most `most` idle workspaces. Borrows `budget`, which must outlive them, and
- * registers a reclaimer there. Returns NULL if out of memory. */
+/* Creates a stack of at most `most` idle workspaces. Borrows `budget`, which must outlive the
+ * stack, and registers a reclaimer of it. Returns NULL if out of memory. */
 struct server_workspaces *server_workspaces_create(struct server_budget *budget, uint32_t most);
 
 /* Returns the budget that the workspaces were created with. */

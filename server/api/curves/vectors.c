@@ -521,7 +521,7 @@ static enum server_query_turn log_solve(struct server_query *query)
                                   : log_answer(query, NULL, &whole);
 }
 
-/* Lists the arrays. They have no segments; only JSON answers have them. */
+/* Lists the arrays. Only JSON answers have segments. */
 static bool log_list_arrays(struct server_query *query)
 {
     struct log_query *own = (struct log_query *)query;

@@ -255,8 +255,8 @@ struct pairs_query {
     uint32_t *group;
     uint32_t *pending; /* groups without a cached field */
     uint32_t group_count, pending_count;
-    struct gd_point *columns; /* the other ends of the pairs, in order */
-    double *found;            /* their distances, in order */
+    struct gd_point *columns; /* the other ends of the pairs, sorted as `order` */
+    double *found;            /* the distances of the pairs, sorted as `order` */
     const struct gd_field *field;
     atomic_int status; /* the first failure */
 };

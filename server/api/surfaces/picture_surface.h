@@ -9,7 +9,7 @@
 #include "server/query/query.h"
 
 struct server_picture_surface {                   /* all zero at first */
-    const struct gd_mesh *mesh;                   /* the stored mesh, or that of a member below */
+    const struct gd_mesh *mesh;                   /* stored mesh, or mesh of a member below */
     struct server_discretization *discretization; /* for a subdivision surface */
     struct gd_tessellation *tessellation;         /* for a NURBS surface */
     struct gd_mesh *pieces;                       /* for a cut */

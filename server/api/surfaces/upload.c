@@ -69,7 +69,8 @@ static bool generate_name(struct upload *upload, const char *sha256)
     return is_written;
 }
 
-/* Makes the record of the body; also called when an upload starts over (upload_confirm). */
+/* Creates the record of the uploaded file; also called when an upload starts over
+ * (upload_confirm). */
 static bool upload_identify(struct server_exchange *exchange, struct upload *upload)
 {
     const struct server_body *body = &exchange->body;
