@@ -34,8 +34,8 @@ struct server {
     struct server_http *http;
 };
 
-/* Starts everything, and listens last on the socket (server_address_bind), which becomes the
- * server's own. On failure, returns NULL with a sentence in `error`. */
+/* Starts everything. The last step is to listen on the socket (server_address_bind), which then
+ * belongs to the server. On failure, returns NULL with a sentence in `error`. */
 struct server *server_start(const struct server_config *config, int listening,
                             char error[SERVER_ERROR]);
 

@@ -9,7 +9,8 @@
 
 #define MOST_NAMES 32 /* an answer's fields or an operation's parameters; each is one bit */
 
-/* Returns the index of the name of `size` bytes, or MOST_NAMES if it is not listed. */
+/* Returns the index of the name, which has `size` bytes, or MOST_NAMES if the name is not
+ * listed. */
 static unsigned find_name(const char *const *names, const char *name, size_t size)
 {
     for (unsigned i = 0; names && names[i]; i++) {

@@ -83,15 +83,15 @@ struct proto_options proto_options_within(const struct proto_options *options, u
 
 /* Reads the options that all queries share: select, geometry and timeout_ms. `allowed` are the
  * names of the operation's parameters. `fields` are the names of the answer's top-level fields;
- * NULL means that fields can't be selected. Both are NULL-terminated, with at most 32 names. Fails
- * with invalid_request at the parameter. */
+ * NULL means that fields can't be selected. Both lists end with NULL and have at most 32 names.
+ * Fails with invalid_request at the parameter. */
 bool proto_options_parse(const struct proto_parameters *parameters, const char *const *fields,
                          const char *const *allowed, struct proto_options *out,
                          struct proto_problem *problem);
 
 /* Steps of proto_options_parse. proto_options_of returns the default options, which select all
  * fields. proto_options_select reads the texts of the parameters `select` and `geometry`, which are
- * NULL if not given. Its problems are at these parameters. proto_options_timeout reads
+ * NULL if not given. Its problems refer to these parameters. proto_options_timeout reads
  * timeout_ms. */
 struct proto_options proto_options_of(const char *const *fields);
 bool proto_options_select(struct proto_options *options, const char *select, const char *geometry,

@@ -24,7 +24,7 @@ struct proto_rule {
     /* sentence for a value outside the limits, or for a value that is not an array */
     const char *refusal;
     const char *expected; /* sentence for a value that is not an array, if it differs; or NULL */
-    /* sentence if a value above `most` gives too_large instead of invalid_request; or NULL */
+    /* sentence for a value above `most`, if the problem is too_large; or NULL */
     const char *too_large;
     const char *const *words; /* allowed words, NULL-terminated */
 };

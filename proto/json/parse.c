@@ -72,8 +72,8 @@ struct source {
     struct proto_parse_end *end;
 };
 
-/* Returns the offset of the first bracket of the next piece that nests too deeply, or of the
- * piece's end. The parser checks that brackets match. */
+/* Returns the offset of the first bracket in the next piece that nests too deeply. If there is
+ * none, returns the offset of the piece's end. The parser checks that brackets match. */
 static size_t first_too_deep(struct source *source, size_t end)
 {
     size_t i = source->at;

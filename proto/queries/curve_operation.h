@@ -9,7 +9,7 @@
 #include "proto/http/options.h"
 
 #define PROTO_CURVE_OPERATION_FLAT                                                                 \
-    1e-3 /* default tolerance of an offset's path, relative to the distance */
+    1e-3 /* default tolerance of an offset, relative to its distance */
 
 /* Result of an operation: fields of other operations are zero. `curve` is the answer's path. */
 struct proto_curve_result {

@@ -84,8 +84,8 @@ static bool line_is_any(const char *line)
     return *line == '*' && line[1 + strspn(line + 1, BLANKS)] == '\0';
 }
 
-/* Finds the first tag of the representation, or with `with_all` of the resource, by strong or weak
- * comparison. A syntax error ends a line. */
+/* Finds the first listed tag that matches the representation or, with `with_all`, the resource. The
+ * comparison is strong or weak. A syntax error ends a line. */
 static enum server_etag_form tags_find(const char *const *lines, const char *etag, bool is_weak,
                                        bool with_all)
 {

@@ -6,8 +6,8 @@
  *     abc-d0123….1      its description with a client's own text, whose hash is 0123…
  *     abc-csv.1         an answer computed from abc, in the form "csv" of format version 1
  *     abc-csv.1-gzip    the same answer, compressed
- * Base tags contain no "-". A change of the client's text changes the tag of the description only.
- * The conditions compare tags as follows:
+ * The tag of a resource contains no "-". A change of the client's text changes the tag of the
+ * description only. The conditions compare tags as follows:
  *     If-None-Match of GET and HEAD    weak, with the selected representation, compressed or not
  *     If-Match                         strong, with the resource and all its representations
  *     If-None-Match of other methods   weak, with the resource and all its representations

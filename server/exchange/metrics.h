@@ -35,7 +35,7 @@ void server_metrics_count_search(struct server_metrics *metrics);
 /* Appends the counters as text for Prometheus. */
 void server_metrics_write(const struct server_metrics *metrics, struct proto_writer *writer);
 
-/* Appends the head of a metric `geodesicd_NAME`. */
+/* Appends the lines HELP and TYPE of the metric `geodesicd_NAME`. */
 void server_metrics_write_head(struct proto_writer *writer, const char *name, const char *kind,
                                const char *help);
 
@@ -45,7 +45,7 @@ struct server_metric {
     double value;
 };
 
-/* Appends metrics with their heads. */
+/* Appends metrics, each with the lines HELP and TYPE. */
 void server_metrics_write_values(struct proto_writer *writer, const struct server_metric *values,
                                  size_t count);
 

@@ -72,7 +72,7 @@ void server_reply_writer(struct server_exchange *exchange, struct proto_writer *
     writer->account = &budget->answers;
 }
 
-/* Moves the count of a body of that size from SERVER_BUDGET_FLIGHT to SERVER_BUDGET_ANSWERS. */
+/* Moves the bytes of a body from SERVER_BUDGET_FLIGHT to SERVER_BUDGET_ANSWERS. */
 static bool answer_hold(struct server_exchange *exchange, size_t size,
                         struct proto_problem *problem)
 {

@@ -11,12 +11,12 @@
  *     }
  *     server_cache_unpin(hit);
  *
- * DESIGN. A surface owns a *mesh cache*. The *seeds* of a field are its sources. Its *reach* is the
- * distance up to which it is computed. If several fields have equal seeds, the mesh cache keeps
- * only the field of the largest reach. A *pending build* has one builder. Other jobs are parked at
- * the build (workers.h) until it ends, and then look up the field again. A request of another reach
- * does not wait: a field of smaller reach may take much less time, and one of larger reach needs
- * another build.
+ * DESIGN. A surface owns a *mesh cache*, which holds its fields. The *seeds* of a field are its
+ * sources. Its *reach* is the distance up to which it is computed. If several fields have equal
+ * seeds, the mesh cache keeps only the field of the largest reach. A *pending build* has one
+ * builder. Other jobs are parked at the build (workers.h) until it ends, and then look up the field
+ * again. A request of another reach does not wait: a field of smaller reach may take much less
+ * time, and one of larger reach needs another build.
  *
  * A field is built when a request claims it. For queries of pairs, the field of a point is built
  * after SERVER_CACHE_SEARCHES queries of that point (hot_points.h). A field costs as much as 10 to

@@ -38,8 +38,8 @@ struct server_lru { /* the owner sets the first members */
     atomic_uint pressures;                /* number of times that memory was short */
 };
 
-/* server_lru_begin registers the list as a reclaimer of the budget. server_lru_end unregisters it;
- * all places must be empty before. */
+/* server_lru_begin registers the list as a reclaimer of the budget. server_lru_end unregisters the
+ * list, whose places must then all be empty. */
 void server_lru_begin(struct server_lru *lru);
 void server_lru_end(struct server_lru *lru);
 

@@ -56,7 +56,7 @@ struct server_connection {
     bool is_leaving;       /* true if the connection was shut down; guarded by the mutex */
     uint64_t body_started_ns, body_bytes;
     uint64_t acknowledged; /* bytes that the client had acknowledged at the thread's last check */
-    /* bytes that the client had acknowledged when the thread last saw it read */
+    /* bytes that the client had acknowledged at the last check that found progress */
     uint64_t moved;
     atomic_uint_least64_t moved_ns;
 };

@@ -1,5 +1,5 @@
 /* Background: a thread that computes results for surfaces, such as landmarks or previews. It
- * computes one after the other, in idle time and in free memory.
+ * computes one result after the other, in idle time and in free memory.
  *
  * DESIGN. A surface has a *slot* for its result. A request that does not find the result queues the
  * slot. The thread takes the latest slot first, computes the result and stores it in the slot.

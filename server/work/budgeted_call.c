@@ -103,7 +103,8 @@ static void call_trim(struct server_budgeted_call *call)
     call->space.bytes = 0;
 }
 
-/* Frees the memory of the workspace only if the budget is too small without it. */
+/* Returns true if the bytes can be taken. Frees the workspace's memory only if that is
+ * necessary. */
 static bool call_can_take(struct server_budgeted_call *call, size_t bytes)
 {
     struct server_budget *budget = call->workspaces->budget;

@@ -4,8 +4,8 @@
  *     gd_executor_run(executor, row_run, matrix, rows);
  *     server_executor_stop(executor);
  *
- * DESIGN. The executor queues one helper job for each thread beyond the caller's. A helper serves
- * all runs until the executor stops, because some calls, such as splines, have several runs.
+ * DESIGN. The executor queues one helper job for each thread except the calling thread. A helper
+ * serves all runs until the executor stops, because some calls, such as splines, have several runs.
  * Between runs a helper sleeps. If other jobs wait, a helper that has run for a millisecond is
  * queued again behind them.
  *

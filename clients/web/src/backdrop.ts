@@ -29,7 +29,7 @@ void main() {
 /**
  * Computes ambient occlusion from depth (Mittring 2007; Bavoil and Sainz 2008). Samples lie on a
  * spiral around the pixel. The occlusion is the fraction of samples in front of the pixel's tangent
- * plane. Each pixel of a block of 4 x 4 turns the spiral by a different angle.
+ * plane. Each pixel of a block of 4 x 4 rotates the spiral by a different angle.
  */
 const OCCLUSION = `
 #include <packing>

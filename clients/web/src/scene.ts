@@ -123,7 +123,7 @@ export class Scene {
 
   /**
    * Compiles the shader programs while the user chooses a file. Otherwise, without a graphics card,
-   * the first frame would block the page for the compilation.
+   * the compilation would block the page in the first frame.
    */
   warmUp(): void {
     const { renderer, lines } = this;

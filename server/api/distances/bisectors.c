@@ -27,7 +27,7 @@ struct lines_query {
 struct tracer {
     const char *what, *noun, *advice; /* parts of the sentences of problems */
     size_t bytes_an_edge;             /* memory for each edge of the mesh while lines are traced */
-    size_t bytes_a_wedge;             /* memory for each wedge of the field meanwhile */
+    size_t bytes_a_wedge;             /* the same for each wedge of the field */
     enum gd_status (*trace)(struct lines_query *own, const struct gd_field *field,
                             const uint32_t *members, const struct gd_control *control);
 };

@@ -22,7 +22,8 @@ static bool level_decode(struct server_query *query, const json_t *document)
                                      &((struct level *)query)->wanted, query->problem);
 }
 
-/* Builds the grid or the mesh. This is the part [begun, begun + share] of the query's progress. */
+/* Builds the grid or the mesh. This work is the part [begun, begun + share] of the query's
+ * progress. */
 static enum gd_status level_build(struct level *level, bool wants_grid, double begun, double share)
 {
     struct server_query *query = &level->query;

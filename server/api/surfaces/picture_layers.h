@@ -1,4 +1,5 @@
-/* Picture layers: the layers of a figure, from the request to lines and marks of gd/picture.h.
+/* Picture layers: converts the layers in the request of a figure to lines and marks of
+ * gd/picture.h.
  *
  * DESIGN. A layer whose kind is an operation ("trace") is a *part*: a query of that operation,
  * which runs the steps of a single request (query.h) and keeps its answer as arrays. Its lines are

@@ -5,9 +5,9 @@
 
 #include "server/api/surfaces/picture_drawing.h"
 
-/* Draw layer i. On failure return false with the problem. Its pointer is relative to the body of
- * the layer, or, for a curve, to an object with the member "curve". Only NURBS surfaces have a
- * domain. */
+/* Draw layer i. On failure return false with the problem. The problem's pointer is relative to the
+ * body of the layer, or, for a curve, to an object with the member "curve". Only NURBS surfaces
+ * have a domain. */
 bool server_domain_curve_draw(struct server_picture_layers *layers, struct server_query *query,
                               uint32_t i);
 bool server_isoparametric_draw(struct server_picture_layers *layers, struct server_query *query,

@@ -25,8 +25,8 @@ struct server_picture_surface {                   /* all zero at first */
 bool server_picture_surface_decode(struct server_picture_surface *surface,
                                    struct server_query *query, const json_t *body);
 
-/* Finds or builds the mesh, and the field if there are seeds. This is the fraction `share` of the
- * query's work. On failure returns false with the problem. */
+/* Finds or builds the mesh, and the field if there are seeds. This work is the fraction `share` of
+ * the query's work. On failure returns false with the problem. */
 bool server_picture_surface_open(struct server_picture_surface *surface, struct server_query *query,
                                  double share);
 void server_picture_surface_close(struct server_picture_surface *surface);
