@@ -19,7 +19,8 @@ import type { Vec3 } from "./vector.ts";
  * approximate the surface would hide lines on the exact surface.
  */
 const LIFT = 12000;
-/* drawn lines leave out points that are at most this far away, less than a pixel at any zoom */
+/* drawn lines leave out points that are at most this far from the rest of the line; this is less
+ * than a pixel at any zoom */
 const TOLERANCE = 1e-5;
 const PREVIEW_LIFT = 4 * LIFT; /* a preview deviates more from the exact surface */
 

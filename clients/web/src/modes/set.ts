@@ -27,7 +27,7 @@ import {
 } from "./field.ts";
 import { actionRow, INK, Mode } from "./mode.ts";
 
-/* borders of cells are drawn to this fraction of the surface's size, less than a pixel */
+/* borders of cells deviate by at most the surface's size / PRECISION, less than a pixel */
 const PRECISION = 4000;
 const PLAIN: Rgb = [0.75, 0.77, 0.78];
 
