@@ -26,8 +26,8 @@ const char *proto_parameters_get(const struct proto_parameters *parameters, cons
 bool proto_parameters_check(const struct proto_parameters *parameters, const char *const *allowed,
                             struct proto_problem *problem);
 
-/* Returns the value of a required parameter. Fails with NULL and invalid_request if it is missing
- * or empty. The value lives as long as the query string. */
+/* Returns the value of a required parameter. If it is missing or empty, returns NULL with the
+ * problem invalid_request. The value lives as long as the query string. */
 const char *proto_parameters_require(const struct proto_parameters *parameters, const char *name,
                                      struct proto_problem *problem);
 

@@ -89,7 +89,7 @@ bool proto_problem_set(struct proto_problem *problem, enum proto_problem_code co
 bool proto_problem_refuse(struct proto_problem *problem, const char *place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Like proto_problem_refuse, at a member of the object at `place`. */
+/* Like proto_problem_refuse, but the fault is at a member of the object at `place`. */
 bool proto_problem_refuse_member(struct proto_problem *problem, const char *place,
                                  const char *member, const char *format, ...)
     __attribute__((format(printf, 4, 5)));

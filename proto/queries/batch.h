@@ -58,7 +58,8 @@ bool proto_batch_options(const struct proto_batch_query *query,
 /* Begins an answer's line with the status 200. Returns the line's offset. */
 size_t proto_batch_begin(struct proto_writer *writer);
 
-/* Ends the line that began at `begin`, after the caller has written the answer, one object. */
+/* Ends the line that began at `begin`, after the caller has written the answer, which is one
+ * object. */
 void proto_batch_end(struct proto_writer *writer, size_t begin);
 
 /* Replaces all text since `begin` by a problem's line, even if the writer failed within that
