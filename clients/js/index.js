@@ -223,8 +223,8 @@ function writePly(vertices, faces) {
   return bytes;
 }
 
-/* Returns the body of an upload: PLY if `faces` is a flat list of triangles, JSON if it
- * is a list of rows. */
+/* Returns the body of an upload: PLY if `faces` is a flat list of triangles, JSON if it is a
+ * list of rows. */
 function toMeshBody({ vertices, faces }) {
   const isFlat = (list) => ArrayBuffer.isView(list) || typeof list[0] === "number";
   const typed = (list, Type) => (ArrayBuffer.isView(list) ? list : Type.from(isFlat(list) ? list : list.flatMap((row) => [...row])));
