@@ -4,8 +4,8 @@
 
 size_t proto_utf8_length(const char *text, size_t size)
 {
-    /* The smallest character that needs each number of bytes. If a smaller character is encoded in
-       that many bytes, the encoding is overlong. */
+    /* For each number of bytes, the smallest character that needs so many bytes. If a smaller
+       character is encoded in that many bytes, the encoding is overlong. */
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
     unsigned char first = (unsigned char)text[0];
     if (first < 0x80) return 1;

@@ -41,7 +41,7 @@ void server_field_store_save(struct server_field_store *store, struct server_reg
                              uint64_t until_ns);
 
 /* Returns the stored landmarks of a surface if their number is `count`, otherwise NULL. Takes their
- * gd_landmarks_memsize bytes from free memory as SERVER_BUDGET_FLIGHT. */
+ * bytes (gd_landmarks_memsize) from free memory, and counts them as SERVER_BUDGET_FLIGHT. */
 struct gd_landmarks *server_field_store_read_landmarks(struct server_field_store *store,
                                                        const struct server_surface *surface,
                                                        uint32_t count);
@@ -61,8 +61,8 @@ struct server_stored_preview {
 };
 
 /* Reads the stored preview of a surface if it has `preview->wanted` faces. The caller owns the
- * polygons. Takes their bytes from free memory as SERVER_BUDGET_FLIGHT. Returns false if there is
- * no such preview or memory is short. */
+ * polygons. Takes their bytes from free memory, and counts them as SERVER_BUDGET_FLIGHT. Returns
+ * false if there is no such preview or memory is short. */
 bool server_field_store_read_preview(struct server_field_store *store,
                                      const struct server_surface *surface,
                                      struct server_stored_preview *preview);
