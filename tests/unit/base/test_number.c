@@ -151,7 +151,8 @@ static void prints_without_needless_exponents(void **state)
         assert_string_equal(printed(cases[i].value), cases[i].text);
 }
 
-/* Copies the digits of a decimal text without sign, point, exponent, leading and trailing zeros. */
+/* Copies the digits of a decimal text. Omits sign, point, exponent, leading zeros and trailing
+ * zeros. */
 static size_t digits_of(const char *text, char *out)
 {
     size_t count = 0;
@@ -163,8 +164,8 @@ static size_t digits_of(const char *text, char *out)
     return count;
 }
 
-/* Writes the fewest digits from which strtod reads `value`, as the C library rounds them. Returns
- * their number. */
+/* Writes the fewest digits from which strtod reads `value` again. The C library rounds `value` to
+ * these digits. Returns their number. */
 static size_t reference_digits(double value, char *out)
 {
     char text[40];

@@ -71,7 +71,7 @@ static void a_restart_makes_one_chunk(void **state)
 static void a_restart_keeps_one_large_chunk(void **state)
 {
     (void)state;
-    /* the memory is only reserved, because untouched memory costs nothing */
+    /* the test does not write to the blocks, so their memory is only reserved */
     const size_t item = (size_t)1 << 20;
     struct gd__pool pool = {0};
     gd__pool_restart(&pool, item, NULL);

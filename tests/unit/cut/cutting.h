@@ -89,7 +89,8 @@ static inline struct gd_mesh *sample_mesh(const char *name, const double values[
 
 /* --- borders ---------------------------------------------------------------------------------- */
 
-/* Identifies a vertex of a piece across all pieces. */
+/* Identifies a vertex. Its copies in several pieces have the same `parent` and the same
+ * position. */
 struct place {
     uint32_t parent;
     double position[3];
@@ -210,7 +211,8 @@ struct seam {
     double rest; /* total length of borders without a twin */
 };
 
-/* Counts the twins. Each border has at most one twin, which runs in the opposite direction. */
+/* Counts pairs of twins: borders that run between the same places in opposite directions. Each
+ * border has at most one twin. */
 static inline struct seam seam_of(const struct gd_cut *cut)
 {
     struct borders borders = borders_of(cut);
@@ -249,7 +251,8 @@ static inline void check_maps(const struct gd_mesh *mesh, const struct gd_cut_pi
     uint32_t count = piece->polygons.position_count, last = 0;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t parent = piece->vertex_map[i];
-        /* the parent's vertices come first, in order; GD_NONE is the largest number */
+        /* vertices of the parent come first, in order; new vertices have GD_NONE, which is the
+         * largest number */
         if (i) assert_true(parent >= last);
         last = parent;
         if (parent == GD_NONE) continue;

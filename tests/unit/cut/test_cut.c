@@ -393,8 +393,8 @@ static void spurs_are_removed(void **state)
     gd_mesh_release(mesh);
 }
 
-/* With any budget and any time of cancellation, the cut returns an error without leaks, or the
- * result. */
+/* For any budget, and at any moment of cancellation, the cut returns either an error or the result,
+ * and leaks nothing. */
 static void budgets_and_cancels(void **state)
 {
     (void)state;

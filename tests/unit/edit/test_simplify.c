@@ -121,8 +121,8 @@ static void the_boundary_stays(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Simplification keeps the fan of a vertex with very many faces. Each collapse there would visit
- * the whole fan once for each neighbour. */
+/* Simplification keeps the fan of a vertex with very many faces. Each collapse at this vertex would
+ * visit the whole fan once for each neighbour. */
 static void a_large_fan_is_kept(void **state)
 {
     (void)state;

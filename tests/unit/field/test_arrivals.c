@@ -87,9 +87,9 @@ static void random_weights(struct rng *rng, double weight[3])
     weight[2] = 1 - weight[0] - weight[1];
 }
 
-/* Finds a jump of the gradient along a random segment of a face by bisection. Elsewhere the
- * gradient changes continuously. Checks that the engine reports the point of the jump as a point of
- * the cut locus. Returns the size of the jump, 0 if there is none. */
+/* Searches a random segment of a face for a jump of the gradient, by bisection. Checks that the
+ * engine reports the point of the jump as a point of the cut locus. Returns the size of the jump,
+ * or 0 if none is found. */
 static double check_segment(const struct gd_field *field, const struct gd_mesh *mesh,
                             const struct gd_point *from, uint32_t face, struct rng *rng)
 {
@@ -177,8 +177,8 @@ static void random_points_have_one_path(void **state)
     }
 }
 
-/* A path that passes a flat vertex on its left and a path that passes it on its right are one path.
- * They are counted once, however close the target is to the vertex. */
+/* Two paths that differ only in the side on which they pass a flat vertex are one path. This path
+ * is counted once, however close the target is to the vertex. */
 static void next_to_a_vertex(void **state)
 {
     (void)state;

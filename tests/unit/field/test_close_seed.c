@@ -1,5 +1,5 @@
-/* Distances in a plane between points that are close to each other and to a vertex or an edge. The
- * distances equal Euclidean distances to more digits than barycentric weights have. */
+/* Tests distances in a plane between points that are close to each other and to a vertex or an
+ * edge. The distances equal Euclidean distances to more digits than barycentric weights have. */
 #include <math.h>
 
 #include "gd/field.h"

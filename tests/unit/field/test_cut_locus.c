@@ -1,5 +1,5 @@
-/* Cut loci: closed forms on a box and in the plane, the medial axis of random polygons by brute
- * force, and the topology of cut loci on closed surfaces. */
+/* Compares cut loci with closed forms on a box and in the plane, and the medial axes of random
+ * polygons with a brute-force search. Tests the topology of cut loci on closed surfaces. */
 #include "gd/cut_locus.h"
 
 #include <math.h>
@@ -116,7 +116,7 @@ static bool is_on_boundary(const struct gd_mesh *mesh, const struct gd_point *po
     return point->kind == GD_POINT_EDGE && (face[0] == GD_NONE || face[1] == GD_NONE);
 }
 
-/* Counts the ends at which no other line ends, except vertices and places on the boundary. */
+/* Counts the ends at which no other line ends. Omits ends at vertices and on the boundary. */
 static uint32_t loose_ends(const struct gd_mesh *mesh, const struct gd_voronoi *locus)
 {
     uint32_t ends = 2 * locus->bisector_count, found = 0;
@@ -133,8 +133,8 @@ static uint32_t loose_ends(const struct gd_mesh *mesh, const struct gd_voronoi *
     return found;
 }
 
-/* On this torus, ridges meet faces at angles that differ much from the angles in the middle of the
- * faces, so the rounding of their ends differs too. */
+/* On this torus, the angle of a ridge at a face's border differs much from its angle in the middle
+ * of the face. The rounding error of the ridge's end depends on the angle at the end. */
 static void no_loose_ends(void **state)
 {
     (void)state;
@@ -149,7 +149,7 @@ static void no_loose_ends(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Two paths to each point have equal lengths, on any surface. */
+/* Two paths to each point of the cut locus have equal lengths, on any surface. */
 static void points_have_two_paths(void **state)
 {
     (void)state;
@@ -247,8 +247,9 @@ static void foot_on_side(const struct polygon *polygon, uint32_t i, double x, do
     out[1] = a[1] + t * dy - y;
 }
 
-/* Returns the distance to the nearest place of the polygon in another direction, minus the distance
- * to the nearest place. The result is 0 on the medial axis and on the polygon. */
+/* Finds the nearest place of the polygon, and the nearest place in a direction that differs from
+ * the first direction by at least `least_angle`. Returns the difference of their distances. The
+ * result is 0 on the medial axis and on the polygon. */
 static double second_way(const struct polygon *polygon, double x, double y, double least_angle)
 {
     double foot[CORNERS_MOST][2], best = INFINITY, second = INFINITY;
@@ -284,8 +285,8 @@ static double distance_to_locus(const struct gd_mesh *mesh, const struct gd_voro
     return least;
 }
 
-/* Finds a place between two places of the plane where the nearest side jumps, by bisection. Returns
- * false if the nearest place of the polygon does not jump. */
+/* Bisects the segment from a to b. Moves both points to the place at which the nearest place of the
+ * polygon jumps. Returns false if it does not jump between a and b. */
 static bool find_jump(const struct polygon *polygon, double a[2], double b[2], double least_angle)
 {
     for (int i = 0; i < 60; i++) {
@@ -309,8 +310,8 @@ static bool find_jump(const struct polygon *polygon, double a[2], double b[2], d
     return second_way(polygon, a[0], a[1], least_angle) < promise;
 }
 
-/* Each point of the cut locus has two nearest places of the polygon. Conversely, where the nearest
- * place jumps between two random places, there is a point of the cut locus. */
+/* Each point of the cut locus has two nearest places of the polygon. Conversely, if the nearest
+ * place jumps between two random points of the plane, the cut locus has a point at the jump. */
 static void check_medial_axis(const struct gd_mesh *mesh, const struct polygon *polygon)
 {
     static const double least_angle = 0.01;
@@ -368,9 +369,9 @@ static void other_polygons(void **state)
     }
 }
 
-/* A regular polygon: a line from each corner to the middle. An ellipse: the ridges that begin at
- * its joints have small angles, and `min_angle` removes them. Only a part of the long axis is
- * left. */
+/* Tests a regular polygon: a line leads from each corner to the middle. Tests an ellipse of 64
+ * sides: the ridges that begin at its corners have small angles, and `min_angle` removes them. Only
+ * a part of the long axis is left. */
 static void regular_polygons_and_ellipses(void **state)
 {
     (void)state;
@@ -432,7 +433,7 @@ static void memory_is_bounded(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Counts the callbacks behind the last face. */
+/* Counts the callbacks after the last face. */
 struct late {
     double from;
     uint32_t calls, most; /* cancels at callback number `most`; 0 never cancels */

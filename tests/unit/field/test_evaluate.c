@@ -156,8 +156,8 @@ static bool has_seed(const struct gd_field *field, uint32_t face)
     return false;
 }
 
-/* Returns a weighted sum of the members of the paths' last segments (`leg`). The sum differs if any
- * segment differs. */
+/* Returns a weighted sum of all numbers that describe the paths' last segments (`leg`). The sum
+ * differs if any segment differs. */
 static double legs_sum(const struct gd_field *field, const struct gd_point *points)
 {
     double sum = 0;
@@ -169,7 +169,8 @@ static double legs_sum(const struct gd_field *field, const struct gd_point *poin
     return sum;
 }
 
-/* Each instruction set agrees with the definition, and with the baseline bit for bit. */
+/* The kernel of each instruction set agrees with the definition, and bit for bit with the baseline
+ * kernel. */
 static void kernels_agree(void **state)
 {
     (void)state;
@@ -226,7 +227,7 @@ static uint32_t append_part(char *wedges, uint32_t at, uint32_t previous,
 }
 
 /* Every wedge gets a chunk of its own, so the chains are long. Distances must stay the same bit for
- * bit, and lengths of paths up to rounding. */
+ * bit. Lengths of paths may differ by rounding. */
 static void long_chains_give_the_same(void **state)
 {
     (void)state;

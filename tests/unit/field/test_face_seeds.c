@@ -1,4 +1,5 @@
-/* Tests the index from faces to the seeds in them: complete and in order of the seeds' numbers. */
+/* Tests the index from each face to the seeds in it. The index has all seeds, in the order of their
+ * numbers. */
 #include "tests/support/test.h"
 
 #include <stdlib.h>

@@ -206,8 +206,8 @@ static void farthest_on_a_cylinder(void **state)
     }
 }
 
-/* Appends seeds for the straight line from a to b along grid lines of a square of side 8 with cells
- * x cells cells. Returns the new number of seeds. */
+/* Appends seeds for the straight line from a to b. The line follows grid lines of a square of side
+ * 8, which has `cells` cells along each side. Returns the new number of seeds. */
 static uint32_t put_border(const struct gd_mesh *mesh, struct gd_vec3 a, struct gd_vec3 b,
                            uint32_t cells, struct gd_seed *seeds, uint32_t count)
 {

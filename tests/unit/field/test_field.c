@@ -503,8 +503,8 @@ static void several_seeds(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A computation of distances only, without wedges, gives the distances of a field. It treats
- * radius, unreferenced vertices and errors like a field. */
+/* A call that computes only distances, and stores no wedges, gives the distances of a field.
+ * Radius, unreferenced vertices and errors have the same effects as for a field. */
 static void distances_only(void **state)
 {
     (void)state;

@@ -122,7 +122,7 @@ static void refuses_other_images(void **state)
 
 /* --- damage ----------------------------------------------------------------------------------- */
 
-/* The image's arrays, located from the image's end. */
+/* These functions locate the image's arrays, starting from the image's end. */
 static char *image_wedges(void)
 {
     return image + size - field->seed_count * sizeof *field->seeds - field->wedge_bytes;

@@ -40,7 +40,7 @@ static double distance_along(const struct gd_field *field, const struct gd_point
 
 static void check_place(double told, double field, double length)
 {
-    /* a distance of 0, where the curve crosses the segment, has an absolute error only */
+    /* where the curve crosses the segment, the distance is 0, so it has no relative error */
     if (fabs(told - field) > 1e-14 * length) check_close(told, field, 1e-9);
 }
 

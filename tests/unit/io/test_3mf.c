@@ -222,8 +222,8 @@ static void reads_zip64(void **state)
     assert_non_null(strstr(detail.text, "checksum"));
 }
 
-/* The reader rejects every truncated archive, except one that lacks only bytes of the comment's
- * length, at its end. */
+/* The reader rejects every truncated archive. Only an archive that lacks at most three bytes may be
+ * accepted, because its last field is the length of a comment. */
 static void survives_truncation(void **state)
 {
     (void)state;

@@ -92,8 +92,8 @@ static double quaternion_dot(const float *a, const float *b)
     return dot;
 }
 
-/* Sets the poses of an object that goes once around a circle of the unit sphere, tilted, with
- * outward normals. */
+/* Sets the poses of an object that goes once around a tilted circle of the unit sphere. The normals
+ * point outwards. */
 static void circle_around(struct gd_vec3 centre, struct gd_pose poses[POSES])
 {
     const struct gd_vec3 a = {0.6, 0, 0.8}, b = {-0.48, 0.8, 0.36};

@@ -202,7 +202,8 @@ static bool note_report(void *user, double fraction)
 }
 
 /* The reader reports progress on the calling thread. The progress never decreases, even if the
- * reader reads the text again from an error on. The reader stops at the report that cancels it. */
+ * reader reads a part of the text again, beginning at an error. The reader stops at the report that
+ * cancels it. */
 static void two_threads_report_and_end(void **state)
 {
     size_t size;

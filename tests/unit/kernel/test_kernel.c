@@ -1,5 +1,5 @@
-/* Compares every kernel that this machine supports with the plain kernel bit for bit, and the plain
- * kernel with a computation for each single window. */
+/* Compares every kernel that this machine supports with the plain kernel, bit for bit. Compares the
+ * plain kernel with a computation of one window at a time. */
 #include "tests/unit/window/model.h"
 
 #include <stdlib.h>
@@ -156,8 +156,8 @@ static void for_all_lists(uint64_t seed, void (*test)(struct rng *rng, double le
 
 static uint64_t offered, kept;
 
-/* Returns a distance for an end of the edge, which is equal to the list's distance, larger, or
- * smaller. */
+/* Returns a distance for an end of the edge. It equals the distance that the list gives there, or
+ * is larger or smaller. */
 static double end_distance(struct rng *rng, double length, bool at_end)
 {
     double t = at_end ? length : 0, least = GD_NONE * length;
@@ -187,7 +187,7 @@ static void filter(struct rng *rng, double length)
         check_same_windows(&plain.at, &other.at, count);
     }
     load_windows(&plain.at, count, &actual);
-    for (int i = 0; i < 20; i++) { /* removing windows increases no distance */
+    for (int i = 0; i < 20; i++) { /* the filter changes no distance */
         double t = rng_unit(rng) * length;
         check_close(least_round_an_end(&actual, length, d0, d1, t),
                     least_round_an_end(&list, length, d0, d1, t), 1e-12);
@@ -215,7 +215,7 @@ static void within(struct rng *rng, double length)
 {
     double bound = rng_unit(rng) < 0.5
                        ? rng_between(rng, 0, 4) * length
-                       /* exactly reached */
+                       /* a bound that one window reaches exactly */
                        : gd__window_nearest(&list.windows[rng_below(rng, list.count)]);
     build_windows(&list, &plain);
     uint32_t count = kernels[0]->within(&plain.at, list.count, bound);
@@ -262,7 +262,7 @@ static struct gd__chunk *on_shelf(union shelf *shelf, enum gd__wedge_form form)
     return &shelf->chunk;
 }
 
-/* Checks that the chunks are equal and that nothing is written more than one group behind them. */
+/* Checks that the chunks are equal, and that at most one group is written beyond them. */
 static void check_as_stored(const union shelf *stored, const union shelf *expected)
 {
     size_t bytes = gd__chunk_bytes(&expected->chunk),
@@ -360,7 +360,8 @@ static int close_pool(void **state)
     return free_lists(state);
 }
 
-/* Casts windows [first, first + count) of `plain` and stores the children in set `result`. */
+/* Casts windows [first, first + count) of `plain`. Stores the resulting windows (children) in set
+ * `result`. */
 static struct gd__apex cast(const struct gd__kernel *kernel, const struct gd_side *side,
                             uint32_t first, uint32_t count, bool coalesce, double known, int result)
 {
@@ -412,8 +413,8 @@ static void check_order(const struct gd__children *children, double length)
     }
 }
 
-/* Checks that the sorted children give the same distances as the children of single windows, in
- * `alone`. */
+/* Checks that the sorted children give the same distances as `alone`, which has the children of
+ * windows that were cast one at a time. */
 static void check_against_single(struct rng *rng, struct gd__children *children, double length,
                                  const struct gd__stack *alone)
 {

@@ -84,7 +84,7 @@ static inline void expect_elements(const struct gd_detail *detail, enum gd_eleme
     if (!strstr(detail->text, words)) fail_msg("\"%s\" does not say \"%s\"", detail->text, words);
 }
 
-/* Builds with `options`, which must succeed, and checks what holds for every repair report. */
+/* Builds with `options`, which must succeed. Checks the properties that every repair report has. */
 static inline struct gd_mesh *build_with(const struct gd_polygons *polygons,
                                          struct gd_mesh_options options)
 {

@@ -266,7 +266,8 @@ static void on_a_cone(void **state)
         expect_both(mesh, apex, next, middle.x, middle.y, middle.z);
         struct gd_direction ridge = at(mesh, apex, turn),
                             ahead = gd_direction_opposite(mesh, &apex, &ridge);
-        /* the middle of a sector is opposite a ridge, because the number of sectors is odd */
+        /* the middle of a sector is opposite an edge of the pyramid, because the number of sectors
+         * is odd */
         double reach = -hypot(middle.x, middle.y);
         expect_vector(ahead.xyz, reach * cos(start + turn), reach * sin(start + turn), middle.z);
     }

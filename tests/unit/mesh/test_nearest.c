@@ -6,8 +6,8 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-/* Distances from q to the segment ab and to a triangle, by bisection and without the engine's
- * formulas. */
+/* These functions compute distances from q to the segment ab and to a triangle, by bisection and
+ * without the engine's formulas. */
 static double segment_distance(struct gd_vec3 q, struct gd_vec3 a, struct gd_vec3 b)
 {
     double low = 0, high = 1;
@@ -118,7 +118,8 @@ static void a_vertex_is_found_at_its_own_position(void **state)
     }
 }
 
-/* The nearest point to a point's position is the same point: of the same kind and element. */
+/* The surface point that is nearest to the position of a point is this point. It has the same kind
+ * and the same element. */
 static void the_point_nearest_to_a_position_is_the_point(void **state)
 {
     (void)state;

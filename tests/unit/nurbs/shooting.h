@@ -1,7 +1,7 @@
 /* Shooting method: integrates the geodesic equation on a parametric surface by the Runge-Kutta pair
  * of Dormand and Prince with step control. Newton's method adjusts direction and length until the
- * geodesic reaches a given point. It shares no code with the engine's solver and is therefore an
- * independent reference for lengths. */
+ * geodesic reaches a given point. This code shares nothing with the engine's solver and is
+ * therefore an independent reference for lengths. */
 #ifndef TESTS_UNIT_NURBS_SHOOTING_H
 #define TESTS_UNIT_NURBS_SHOOTING_H
 

@@ -74,8 +74,8 @@ static void the_path_equals_the_shot_geodesic(void **state)
     close_scene(&scene);
 }
 
-/* A single spline is longer than the geodesic. The difference decreases with the number of control
- * points. A spline of few points is returned without a warning about convergence. */
+/* A single spline is longer than the geodesic. The more control points it has, the smaller the
+ * difference is. A spline of few points is returned without a warning about convergence. */
 static void the_papers_table(void **state)
 {
     (void)state;

@@ -394,7 +394,8 @@ static void the_papers_curves_converge(void **state)
 }
 
 /* If the shortest path ends in a corner of the other curve, the error of the paper's curves also
- * falls with their order. The length is that of the geodesic to the corner, by shooting. */
+ * falls with their order. The expected length is that of the geodesic to the corner, which shooting
+ * computes. */
 static void the_papers_curves_converge_at_a_corner(void **state)
 {
     (void)state;

@@ -130,7 +130,7 @@ static void closed_directions_and_poles_are_recognised(void **state)
     gd_parametric_release(cone);
 }
 
-/* The same quarter of a cylinder in each program's convention. */
+/* The same quarter of a cylinder, given in each program's convention, is the same surface. */
 static void conventions_are_one_surface(void **state)
 {
     (void)state;

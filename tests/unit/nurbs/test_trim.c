@@ -415,8 +415,8 @@ static void the_domain_ends_at_the_loops(void **state)
     assert_true(gd_parametric_contains(scene.surface, 2, 1 - 1e-6));
     assert_false(gd_parametric_contains(scene.surface, 2, 1 + 1e-6));
     assert_false(gd_parametric_contains(scene.surface, 2, 2));
-    /* computes the points nearest to a place over the domain, to a place in the hole, and to a
-     * place beyond a corner */
+    /* computes the points nearest to a position above the domain, to a position in the hole, and to
+     * a position beyond a corner */
     check_ok(
         gd_parametric_nearest(scene.surface, (struct gd_vec3){0.5, 0.7, 2}, NULL, &found, NULL),
         NULL);

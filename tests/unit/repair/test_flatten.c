@@ -34,9 +34,9 @@ static void expect_same_distances(const struct gd_mesh *a, const struct gd_mesh 
 
 enum { CUBE_FACES = 12, MOST = 40 };
 
-/* A triangulated cube with `points` on its edge 0-1 (z = 0, y = 0). The faces below end in all of
- * these points. The face in front has the whole edge as one side. Caps, which are faces without
- * area, fill the gap. */
+/* A triangulated cube with `points` on its edge 0-1 (z = 0, y = 0). Each of these points is a
+ * corner of faces below. The face in front has the whole edge as one side. Caps, which are faces
+ * without area, fill the gap. */
 struct gapped_cube {
     double positions[MOST][3];
     uint32_t corners[3 * MOST];

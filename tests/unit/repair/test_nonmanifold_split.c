@@ -74,7 +74,8 @@ static void each_further_fan_gets_a_copy(void **state)
 
 /* --- edges ------------------------------------------------------------------------------------ */
 
-/* About the x axis counter-clockwise: 2 at 0 degrees, 4 at 90, 3 at 180. */
+/* The order of the vertices about the x axis, counter-clockwise: 2 at 0 degrees, 4 at 90, 3 at
+ * 180. */
 static double around_x[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
 
 static void of_three_faces_the_two_around_the_inside_stay_joined(void **state)
@@ -134,7 +135,7 @@ static void solids_that_share_an_edge_are_taken_apart(void **state)
         expect_pieces(mesh, 2, 0);
         assert_int_equal(gd_mesh_summary(mesh)->euler_characteristic, 4);
         gd_mesh_release(mesh);
-        /* repeats the test with one face turned over */
+        /* repeats the test with one face reversed */
         corners[12] = 0;
         corners[13] = 5;
     }

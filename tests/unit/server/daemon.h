@@ -132,7 +132,7 @@ static inline void daemon_end(struct server_exchange *exchange, const char *body
     }
 }
 
-/* Returns the answered exchange, for the caller to destroy. */
+/* Sends a request. Returns the answered exchange, which the caller destroys. */
 static inline struct server_exchange *daemon_ask(struct daemon_request request)
 {
     char headers[512]; /* the headers are not used after this function returns */

@@ -153,8 +153,8 @@ static void spike(void **state)
     gd_subdivision_release(cube);
 }
 
-/* Tests paths from the inner corner of a flat L, which has three faces. The paths are straight
- * lines for each of the three faces that the start can name. */
+/* Tests paths from the inner corner of a flat L, which has three faces. The start names one of
+ * these faces. The paths are straight lines for each of them. */
 static void from_corners(void **state)
 {
     (void)state;

@@ -295,8 +295,8 @@ static void there_and_back(void **state)
     }
 }
 
-/* Checks that the length is the sum of the distances between consecutive points, and that it is the
- * requested one unless the line ended early. */
+/* Checks that the length is the sum of the distances between consecutive points. Checks that it is
+ * the requested length unless the line ended early. */
 static void check_path(const struct gd_mesh *mesh, const struct gd_trace *trace, double length)
 {
     double sum = 0, edge = gd_mesh_summary(mesh)->edge_length.max;

@@ -202,8 +202,8 @@ static double check_beside(double angle, double apart)
     return worst;
 }
 
-/* A joint at which the curve is straight emits nothing itself. Vertices close to it get their
- * distance from its segments. */
+/* A point between two segments of a curve emits no windows if the curve is straight there. Vertices
+ * close to this point get their distance from the segments. */
 static void lines_beside_vertices(void **state)
 {
     (void)state;

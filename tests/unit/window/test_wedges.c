@@ -221,8 +221,8 @@ static double worst_difference(const struct gd__window *a, const struct gd__wind
     return worst;
 }
 
-/* Each form keeps the numbers of sources. It keeps distances to 1e-14, however small they are, and
- * distances far from seeds in packed form. */
+/* Each form keeps the numbers of sources. It keeps distances of any size to a relative error of
+ * 1e-14. */
 static void every_form_keeps_distances(void **state)
 {
     (void)state;

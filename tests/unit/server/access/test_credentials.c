@@ -36,7 +36,7 @@ static void write_file(const char *text)
     fclose(file);
 }
 
-/* Returns the file's line of a key. */
+/* Returns the line of the keys' file that describes a key. */
 static const char *line(const char *name, const char *key, const char *settings)
 {
     static char lines[4][256];
@@ -276,7 +276,7 @@ static void limits_hold_until_a_grant_ends(void **state)
                      PROTO_PROBLEM_RATE_LIMITED);
     assert_string_equal(server_grant_name(&refused), "a");
     server_grant_end(&refused);
-    /* a refused request returns no token */
+    /* the end of the refused request admits no other request */
     assert_int_equal(READ("Bearer " A_KEY), PROTO_PROBLEM_RATE_LIMITED);
     server_grant_pass(&one, &job);
     server_grant_end(&one);

@@ -66,7 +66,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* Returns how a child that calls the function in the sandbox ends. */
+/* Runs the function in a child process. Returns how the child ends. */
 static int end_of(struct fixture *fixture, void (*in_child)(struct fixture *fixture))
 {
     int status;
@@ -197,7 +197,7 @@ static void *try_sockets(void *user)
     return REFUSED(socket(AF_INET, SOCK_STREAM, 0), ENOSYS) ? user : NULL;
 }
 
-/* The filter applies to all threads, including earlier ones. */
+/* The filter applies to all threads, also to threads that started before it was installed. */
 static void call_what_is_no_more(struct fixture *fixture)
 {
     int pipes[2];

@@ -109,7 +109,7 @@ static void remembers_that_chunks_passed_the_budget(void **state)
 
 /* --- packed bodies ---------------------------------------------------------------------------- */
 
-/* Returns `size` equal bytes, compressed, for the caller to free. */
+/* Returns `size` equal bytes in compressed form. The caller frees them. */
 static unsigned char *pack(size_t size, size_t *packed_size)
 {
     z_stream stream = {0};

@@ -75,8 +75,8 @@ static bool has_news(int epoll)
     return epoll_wait(epoll, &event, 1, 0) == 1;
 }
 
-/* The library reads until a read is short, and then waits for the next event. An end that has
- * arrived by then causes no new event. */
+/* The library reads until a read is short, and then waits for the next event. If the client has
+ * closed its side by then, no new event reports this. */
 static void an_end_with_the_last_bytes_is_detected(void **state)
 {
     (void)state;
@@ -445,7 +445,7 @@ static void addresses_with_few_connections_are_spared(void **state)
     crowd_out(&crowd);
 }
 
-/* The reserve is for new connections. They are cut only when the reserve is nearly used up. */
+/* New connections use the reserve. They are cut only when the reserve is nearly used up. */
 static void young_heads_are_spared(void **state)
 {
     struct crowd crowd;

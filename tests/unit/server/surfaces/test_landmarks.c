@@ -289,7 +289,7 @@ static void reload(void)
     surface = put_sphere(4);
 }
 
-/* Keeps the stored file during a reload, which deletes it with the mesh. */
+/* Loads the surface again. Keeps the stored file, which is deleted when the surface is removed. */
 static void reload_with_file(void)
 {
     char path[SERVER_DISK_PATH], kept[SERVER_DISK_PATH], parent[SERVER_DISK_PATH];

@@ -146,7 +146,7 @@ static void answers_leave_a_part_to_other_classes(void **state)
     /* small answers may take three quarters of the budget */
     assert_true(server_budget_take_answer(&budget, 60 * KIB));
     for (int i = 0; i < 3; i++) assert_true(server_budget_take_answer(&budget, 64 * KIB));
-    assert_false(server_budget_take_answer(&budget, 64 * KIB)); /* more than that */
+    assert_false(server_budget_take_answer(&budget, 64 * KIB)); /* exceeds this part */
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 200 * KIB));
     assert_int_equal(server_budget_available(&budget), 1024 * KIB - budget.total);
     server_budget_give(&budget, SERVER_BUDGET_ANSWERS, budget.used[SERVER_BUDGET_ANSWERS]);

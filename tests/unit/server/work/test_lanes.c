@@ -73,8 +73,8 @@ static void tenants_take_turns(void **state)
     take_all();
 }
 
-/* A tenant with long jobs and one with short jobs get half of the time each, and at any time
- * neither is ahead by more than a job. */
+/* A tenant with long jobs and a tenant with short jobs each get half of the time. At any time,
+ * neither is ahead of the other by more than one job. */
 static void tenants_share_time_equally(void **state)
 {
     (void)state;
@@ -134,8 +134,8 @@ static void urgent_jobs_go_first_but_patient_ones_do_not_starve(void **state)
     take_all();
 }
 
-/* For any jobs that one tenant sends, the queue keeps free places for other tenants, for jobs of
- * both kinds. */
+/* Whatever jobs one tenant sends, the queue keeps places free for other tenants, for jobs of both
+ * kinds. */
 static void a_tenant_leaves_places_free(void **state)
 {
     (void)state;

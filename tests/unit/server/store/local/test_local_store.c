@@ -294,7 +294,7 @@ static void objects_in_quarantine_are_not_read(void **state)
     write_over(path, "x");
     assert_int_equal(verify(fixture, "some bytes", all), SERVER_STORE_DAMAGED);
     assert_int_equal(fixture->store->damaged(fixture->store), 1);
-    write_over(path, "s"); /* repairs the file behind the store's back */
+    write_over(path, "s"); /* repairs the file, but not by the store */
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DAMAGED);
     assert_int_equal(verify(fixture, "some bytes", all), SERVER_STORE_DONE);
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DONE);
