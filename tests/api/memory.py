@@ -17,7 +17,7 @@ from harness import Daemon, sample
 
 FIELDS = 200
 BUDGETS = ("96MiB", "512MiB", "2GiB")
-FRESH = 7  # daemons
+FRESH = 7  # number of daemons
 STRIDE = 7919  # number of faces between one source and the next source
 CLASSES = ("meshes", "fields", "flight", "answers", "records", "workspaces", "landmarks", "spare")
 

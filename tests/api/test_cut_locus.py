@@ -180,7 +180,7 @@ class CutLocus(TestCase):
         self.assertAlmostEqual(middle["length"], 0.3, 8)
 
     def test_smooth_curve(self):
-        """A polyline that approximates an ellipse turns little at its joints, so `min_angle` omits
+        """A polyline that approximates an ellipse turns little at its corners, so `min_angle` omits
         the lines that begin there."""
         ring = [(0.5 + 0.4 * math.cos(0.1 * math.pi * i / 2), 0.5 + 0.2 * math.sin(0.1 * math.pi * i / 2)) for i in range(40)]
         ellipse = {"curves": [{"points": [{"xyz": [x, y, 0]} for x, y in ring], "closed": True}]}

@@ -74,7 +74,8 @@ class SubdivisionFigures(SmoothCase):
         self.assertEqual(self.figure([{"control_net": {"points": False}}], "s").discs(0), [])
 
     def test_the_control_net_of_polygons(self):
-        """The surface of polygons has other base faces than those of its control mesh."""
+        """Polygons of a control mesh are divided into base faces. The drawn net has only the
+        polygons' edges."""
         scene = self.scene_of([{"control_net": {}}], "prism")
         bottom, top = [(1, 0, 0), (0, 1, 0), (-1, -1, 0)], [(1, 0, 2), (0, 1, 2), (-1, -1, 2)]
         edges = [(a, b) for ring in (bottom, top) for a, b in zip(ring, ring[1:] + ring[:1])] + list(zip(bottom, top))
@@ -87,7 +88,8 @@ class SubdivisionFigures(SmoothCase):
         self.assertTrue(all(0 < value < 400 for disc in discs for value in disc[:2]), discs)
 
     def test_a_field_is_the_distance_on_the_discretization(self):
-        """The limit surface of a flat control mesh is flat, so that distances are straight."""
+        """The limit surface of a flat control mesh is flat, so distances are lengths of straight
+        lines."""
         places = [{"face": 0, "uv": [0.3, 0.4]}, {"face": 10, "uv": [0.9, 0.1]}]
         seeds = [point["xyz"] for point in self.daemon.request("POST", "/v1/subdivisions/sheet/evaluate", json.dumps({"points": places}).encode(),
                                                                {"Content-Type": "application/json"}).json["points"]]
@@ -205,8 +207,8 @@ class NurbsFigures(SmoothCase):
         self.refused([{"curve": 5}], "/layers/0/curve", "s")
 
     def test_a_field_is_the_distance_on_the_tessellation(self):
-        """In a flat domain with a hole the distance is a straight line, or a polyline around the
-        hole."""
+        """In a flat domain with a hole, the distance is the length of a straight line, or of a
+        polyline around the hole."""
         source, hole = (0.2, 0.45), ((0.4, 0.2), (0.6, 0.2), (0.6, 0.8), (0.4, 0.8))
 
         def is_free(a, b):

@@ -30,7 +30,7 @@ class Trace(Subdivisions):
                     [path] = answer["paths"]
                     self.assertLess(max(map(far, path["points"])), 1e-9, (rule, level))
                     gap = math.dist(path["points"][-1]["xyz"], path["points"][0]["xyz"])
-                    # the method has second order, so each step divides the gap by sixteen
+                    # the method has second order, so two more levels divide the gap by sixteen
                     self.assertLess(gap, 0.2 * before)
                     before = gap
                 self.assertLess(gap, 1e-3)
@@ -142,7 +142,7 @@ class Paths(Subdivisions):
         self.assertAlmostEqual(answer["distance"], MIRROR / 4, 10)
 
     def test_a_path_is_a_trace(self):
-        """The computed geodesic starts in a direction in which a trace arrives at its end."""
+        """A trace that starts in the direction of the computed geodesic arrives at its end."""
         for name, start, end in [("cube", {"face": 0, "uv": [0.2, 0.7]}, {"face": 2, "uv": [0.6, 0.5]}),
                                  ("loop", {"face": 0, "uv": [0.2, 0.3]}, {"face": 1, "uv": [0.5, 0.2]}),
                                  ("prism", {"face": 1, "corner": 0, "uv": [0.9, 0.8]}, {"face": 2, "uv": [0.5, 0.3]})]:

@@ -99,8 +99,8 @@ class Tenants(Folder):
         return self.ask("GET", "/metrics", who, **headers).body.decode()
 
     def test_only_operators_get_the_metrics_of_all_tenants(self):
-        """Only keys give the rights of an operator. Neither a local client address, as behind
-        a proxy, nor the proxy's headers do."""
+        """Only keys give the rights of an operator. A local client address, as behind a proxy, does
+        not give them, and neither do the proxy's headers."""
         with self.start():
             self.ask("PUT", "/v1/meshes/it", "ann", SQUARE)
             job = self.ask("POST", "/v1/meshes/it/distance", "ann", PAIR, Prefer="respond-async").headers["Location"]
