@@ -118,7 +118,7 @@ class Request:
 
     @property
     def is_change(self):
-        """Returns whether the request changes the state that a second one finds."""
+        """Returns whether the request changes the state that a second request finds."""
         return self.method in ("PUT", "DELETE") or self.path in ("/v1/meshes", "/v1/nurbs", "/v1/subdivisions", "/v1/batches") and self.method == "POST" or (
             self.path.rpartition("/")[2] in ("cut", "tessellate", "discretize", "derive", "fields"))
 

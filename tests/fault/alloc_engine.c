@@ -1,7 +1,7 @@
 /* Makes the engine's allocations fail, one after the other, in each of its operations
  * (operations.h). A call must either report missing memory and leave its output unchanged, or give
- * the correct answer to the last bit. Afterwards it holds no more memory than before, and works
- * again.
+ * the correct answer to the last bit. Afterwards the engine holds no more memory than before, and
+ * the operation works again.
  *
  *     gd_alloc [--short] [--list] [WORD]     tests operations whose name contains this word
  *                                            --list: prints the addresses of failed calls
