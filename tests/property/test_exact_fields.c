@@ -1,5 +1,5 @@
-/* Compares fields with sources very close to vertices with the solver by naive windows. The targets
- * are vertices, points inside faces, and points close to the same vertex. */
+/* Computes fields of sources very close to vertices, and compares them with the solver by naive
+ * windows. The targets are vertices, points inside faces, and points close to the same vertex. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

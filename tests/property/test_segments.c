@@ -289,9 +289,9 @@ static struct gd_point point_near(const struct gd_mesh *mesh, struct gd_vec3 pla
     return point;
 }
 
-/* Checks distances along the line that leaves a joint at a right angle. The wedges whose sources
- * are the two segments end at this line. `bend` has the ends and the corner of the curve. Returns
- * the largest relative error. */
+/* A curve of two segments has a corner at `joint`. Checks distances along the line that leaves the
+ * corner at a right angle. The wedges whose sources are the two segments end at this line. `bend`
+ * has the ends and the corner of the curve. Returns the largest relative error. */
 static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *field,
                              const struct gd_point *joint, struct gd_vec3 across,
                              const struct gd_vec3 bend[3])
