@@ -223,7 +223,7 @@ struct cone {
     uint32_t right, left; /* the edge's vertices */
     struct place at_right, at_left;
     struct place from, to;
-    uint32_t ahead;  /* the face beyond */
+    uint32_t ahead;  /* the face beyond the edge */
     uint32_t origin; /* vertex of the source */
 };
 
