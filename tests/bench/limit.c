@@ -85,7 +85,7 @@ static struct gd_vec3 direction_of(const struct bundle *bundle, int i)
     return gd_limit_direction(&bundle->jet, 2 * M_PI * i / FAN);
 }
 
-/* Returns the milliseconds of the whole fan on the mesh. */
+/* Traces all lines of the bundle on the mesh. Returns the milliseconds. */
 static double trace_mesh(struct bundle *bundle)
 {
     const struct gd_mesh *mesh = gd_limit_mesh_mesh(bundle->fine);
@@ -113,8 +113,8 @@ static double trace_mesh(struct bundle *bundle)
     return bench_thread_ms() - begun;
 }
 
-/* Returns the milliseconds of the fan on the surface. Sets `*off` to the median distance between
- * these ends and the ends on the mesh. */
+/* Traces all lines of the bundle on the surface. Returns the milliseconds. Sets `*off` to the
+ * median distance between the ends of these lines and the ends on the mesh. */
 static double trace_smooth(const struct bundle *bundle, double *off)
 {
     double gaps[FAN], begun = bench_thread_ms();

@@ -95,7 +95,8 @@ def fits(points, faces):
 
 
 def expect(points):
-    """Returns the faces of the next member, if the family continues to grow at the same rate."""
+    """Returns the number of faces of the next mesh, if the family continues to grow at the same
+    rate."""
     if len(points) < 2:
         return 2 * points[0]["faces"] if points else 0
     return points[-1]["faces"] ** 2 / points[-2]["faces"]
