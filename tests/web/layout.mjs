@@ -28,7 +28,7 @@ async function answersInSight(browser) {
   await browser.ask("DELETE", "/v1/meshes/ring");
 }
 
-/** Returns the distance, in pixels, of two points at the height of the camera's target. */
+/** Returns how far two fixed points of the scene are apart in the picture, in pixels. */
 const widthOf = (page) =>
   page.evaluate(() => {
     const [x, y, z] = window.geodesicd.state.camera.split(",").map(Number);
