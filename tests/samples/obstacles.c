@@ -142,8 +142,8 @@ static bool is_roof(const struct triangulation *plane, const struct sample_obsta
     return false;
 }
 
-/* Makes the ground and the roofs from the plan's triangles, and walls from the obstacles' sides. A
- * corner's upper copy has an index `lift` larger. */
+/* Makes the ground and the roofs from the plan's triangles, and walls from the obstacles' sides.
+ * The index of a corner's upper copy is the index of the corner plus `lift`. */
 static enum gd_status raise_prisms(const struct triangulation *plane, struct sample_obstacles *out)
 {
     struct sample_builder builder = {0};
