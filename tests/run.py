@@ -6,9 +6,9 @@ usage: tests/run.py [--jobs N] [--timeout SECONDS] PROGRAM...
 A program is a cmocka binary (its TAP output is counted), or any other command that prints lines `ok
 NAME` / `not ok NAME` / `skip NAME: REASON`. The output of a failed program is shown, without the
 tests that passed. Skipped tests, and lines that begin with `# ` (figures worth reporting), are
-always shown. One program more than the machine has cores runs at once, because some programs mostly
-wait; a program is reported when it has ended. The last line is `N passed, N failed, N skipped`; the
-exit status is 0 only if nothing failed and something passed.
+always shown. The number of programs that run at once is one more than the number of cores, because
+some programs mostly wait. A program is reported when it has ended. The last line is `N passed, N
+failed, N skipped`; the exit status is 0 only if nothing failed and something passed.
 """
 import argparse
 import concurrent.futures
