@@ -22,8 +22,8 @@ static void expect_beyond(const struct gd_mesh *mesh, uint32_t v, uint32_t entry
     assert_int_equal(mesh->beyond[entry], open ? GD_NONE : gd__side_apex(mesh, side ^ 1));
 }
 
-/* Checks that the entries of a fan run counter-clockwise once around the vertex, from the boundary
- * if there is one, and that their angles add up. */
+/* Checks that the entries of a fan run counter-clockwise once around the vertex, and that their
+ * angles add up. At a boundary vertex, the entries must begin at the boundary. */
 static void expect_fan(const struct gd_mesh *mesh, uint32_t v)
 {
     double angle = 0;

@@ -58,8 +58,8 @@ static void a_point_on_the_curve_is_on_no_side(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A selection assigns each face to the piece that has most of it. On this grid this is the piece
- * that contains the face's centroid, except near the curve. */
+/* A selection assigns each face to the piece that has the largest part of the face. On this grid,
+ * this piece contains the face's centroid, except near the curve. */
 static void faces_of_a_selection(void **state)
 {
     (void)state;
@@ -90,8 +90,8 @@ static void faces_of_a_selection(void **state)
     gd_mesh_release(mesh);
 }
 
-/* The square has two triangles of area 0.5. The upper one has 0.255 to the left of x = 0.3, and
- * 0.248 to the left of x = 0.29. */
+/* The square has two triangles of area 0.5. An area of 0.255 of the upper triangle lies to the left
+ * of x = 0.3, and an area of 0.248 to the left of x = 0.29. */
 static void a_crossed_face_belongs_to_the_piece_with_most_of_it(void **state)
 {
     (void)state;

@@ -53,7 +53,7 @@ static void long_loops_stay_open(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Fills the hole of a tetrahedron without one face, which adds a single triangle. */
+/* Fills the hole of a tetrahedron that lacks one face. The filling is a single triangle. */
 static void the_smallest_hole(void **state)
 {
     (void)state;
@@ -164,7 +164,7 @@ static struct gd_vec3 ring_through_it(double t)
     return (struct gd_vec3){1 + cos(t), 0.01, 0.05 + sin(t)};
 }
 
-/* A band whose two borders are trefoil knots. A disc whose border is a knot crosses itself, so
+/* The two borders of the band are trefoil knots. A disc whose border is a knot crosses itself, so
  * neither hole can be filled. In the second case, faces to a far vertex already close one of the
  * borders. */
 static void a_knotted_hole_stays_open(void **state)
@@ -194,8 +194,8 @@ static void a_knotted_hole_stays_open(void **state)
     }
 }
 
-/* Two bands that are linked like the rings of a chain. The discs that would fill one band cross the
- * discs of the other, so only two of the four holes are filled. */
+/* Two bands are linked like the rings of a chain. The discs that would fill one band cross the
+ * discs of the other band, so only two of the four holes are filled. */
 static void holes_that_cross_another_stay_open(void **state)
 {
     (void)state;
@@ -215,8 +215,8 @@ static void holes_that_cross_another_stay_open(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A mesh with a slit, as at a seam of texture coordinates: the vertices of the slit exist twice, at
- * the same positions. The error names them. */
+/* The mesh has a slit, as at a seam of texture coordinates: the vertices of the slit exist twice,
+ * at the same positions. The error names these vertices. */
 static void a_pinched_hole_is_named(void **state)
 {
     (void)state;

@@ -9,8 +9,8 @@ static struct gd_edited whole(const struct gd_mesh *mesh, const struct gd_edit_s
     return edited;
 }
 
-/* Each part equals the result of gd_components for it. Each part reports the distance of the whole
- * edit. */
+/* Each part equals the result of gd_components for this part. Each part reports the distance of the
+ * whole edit. */
 static void parts_are_components(void **state)
 {
     (void)state;

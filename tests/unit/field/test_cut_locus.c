@@ -38,7 +38,7 @@ static struct gd_vec3 end_of(const struct gd_mesh *mesh, const struct gd_voronoi
     return gd_point_position(mesh, &line->points[k % 2 ? line->point_count - 1 : 0]);
 }
 
-/* Counts the places where `degree` ends of open lines meet. */
+/* Counts the points at which `degree` ends of open lines meet. */
 static uint32_t places_of_degree(const struct gd_mesh *mesh, const struct gd_voronoi *locus,
                                  uint32_t degree)
 {
@@ -61,8 +61,8 @@ static uint32_t places_of_degree(const struct gd_mesh *mesh, const struct gd_vor
 
 /* --- points on a box -------------------------------------------------------------------------- */
 
-/* The cut locus of the middle of a face of a cube: the edges from this face to the opposite one,
- * and the diagonals of the opposite face. */
+/* The cut locus of the middle of a cube's face consists of the edges that lead from this face to
+ * the opposite face, and of the diagonals of the opposite face. */
 static void middle_of_a_cubes_face(void **state)
 {
     (void)state;
@@ -335,7 +335,7 @@ static void check_medial_axis(const struct gd_mesh *mesh, const struct polygon *
     gd_field_release(field);
 }
 
-/* The medial axis of a rectangle: a middle line, and a line to each corner. */
+/* The medial axis of a rectangle consists of a middle line, and of a line to each corner. */
 static void rectangle(void **state)
 {
     (void)state;

@@ -325,8 +325,8 @@ static void correct_wedges_do_not_cross(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* If the source moves from a vertex or an edge by 1e-16 … 1e-6 in any direction, distances change
- * by no more than that. */
+/* If the source moves from a vertex or an edge by 1e-16 … 1e-6 in any direction, no distance
+ * changes by more than the length of this move. */
 static void sources_close_to_a_vertex_or_an_edge(void **state)
 {
     (void)state;

@@ -42,8 +42,8 @@ static void in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* On any surface, the first segment of the path from a point runs opposite to the gradient
- * there. */
+/* On any surface, the first segment of the path from a point runs opposite to the gradient at this
+ * point. */
 static void paths_start_against_the_gradient(void **state)
 {
     (void)state;

@@ -44,8 +44,8 @@ static void check_place(double told, double field, double length)
     if (fabs(told - field) > 1e-14 * length) check_close(told, field, 1e-9);
 }
 
-/* Checks that the profile's extremes equal the field's distances there, and that no sample lies
- * outside them. */
+/* Checks that the profile's extremes equal the field's distances at the same points. Checks that no
+ * sample is smaller or larger than the extremes. */
 static void check_segment(const struct gd_field *field, const struct gd_point *a,
                           const struct gd_point *b)
 {

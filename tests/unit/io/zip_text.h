@@ -56,7 +56,7 @@ static inline void zip_put_extra(struct zip_bytes *zip, const struct zip_file *f
     zip_put(zip, strlen(file->text), 8);
 }
 
-/* Writes an archive of the files before the first one without a name. The caller sets
+/* Writes an archive of the files that precede the first file without a name. The caller sets
  * `out->is_zip64`. */
 static inline void zip_write(const struct zip_file files[ZIP_FILES], struct zip_bytes *out)
 {

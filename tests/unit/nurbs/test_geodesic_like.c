@@ -182,7 +182,8 @@ static void nearly_opposite_points(void **state)
     close_scene(&cylinder);
 }
 
-/* The end of the path is close to a knot line. The coarse path may end on either side of it. */
+/* The end of the path is close to a knot line. The coarse path may end on either side of this
+ * line. */
 static void path_ends_near_a_knot_line(void **state)
 {
     (void)state;
@@ -449,9 +450,9 @@ static struct gd_domain_curve *polyline_of(const struct gd_parametric *surface,
     return curve;
 }
 
-/* Compares a path between two points with the geodesic that leaves in the same direction, by
- * shooting. In the domain, both must end at the second point, shifted by one period for each turn
- * of the path. */
+/* Compares a path between two points with the geodesic that leaves in the same direction, which
+ * shooting computes. In the domain, path and geodesic must end at the second point, shifted by one
+ * period for each turn of the path. */
 static void check_by_shooting(const struct gd_parametric *surface, const struct gd_geodesic *path,
                               const double to[2])
 {
@@ -549,7 +550,8 @@ static void turns_and_initial_curves_on_a_cylinder(void **state)
     close_scene(&scene);
 }
 
-/* A path to the far side of a closed curve crosses its near side, and is trimmed there. */
+/* A path to the far side of a closed curve crosses the near side of the curve, and is trimmed at
+ * the crossing. */
 static void paths_that_cross_a_curve_are_trimmed(void **state)
 {
     (void)state;

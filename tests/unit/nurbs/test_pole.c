@@ -1,5 +1,5 @@
-/* Curves that pass through a pole or end in one. In the domain, a pole is a whole line, on which a
- * path's end cannot slide. The test also checks the errors of tiny lengths. */
+/* Tests curves that pass through a pole or end in one. In the domain, a pole is a whole line, on
+ * which a path's end cannot slide. The test also checks the errors of tiny lengths. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/geodesic_like.h"
@@ -55,7 +55,7 @@ static void a_curve_that_ends_in_a_pole(void **state)
             double parameter = backwards ? path->from_parameter : path->to_parameter;
             double angle = backwards ? M_PI - path->from_angle : path->to_angle;
             assert_true(parameter == 0);
-            /* the distance would grow along the curve */
+            /* from this end on, the distance grows along the curve */
             assert_true(angle <= M_PI_2 + 1e-8);
             gd_geodesics_free(&found);
         }
@@ -87,7 +87,7 @@ static void a_path_end_close_to_a_pole(void **state)
     gd_parametric_release(sphere);
 }
 
-/* Two meridians that meet in a pole form a curve with a corner there. */
+/* Two meridians that meet in a pole form a curve, and the pole is a corner of this curve. */
 static void a_curve_with_a_corner_in_a_pole(void **state)
 {
     (void)state;

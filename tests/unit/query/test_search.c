@@ -212,8 +212,8 @@ static void both_directions_search_from_one_end(void **state)
     gd_mesh_release(mesh);
 }
 
-/* After a search that failed for lack of budget, the workspace solves the next pair as a new one
- * would. */
+/* After a search that failed for lack of budget, the workspace solves the next pair as a new
+ * workspace would. */
 static void a_failed_search_leaves_nothing(void **state)
 {
     (void)state;

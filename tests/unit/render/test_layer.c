@@ -58,7 +58,7 @@ static void lines_are_projected(void **state)
     free(text);
 }
 
-/* A line below the surface is hidden; one above it is visible. */
+/* A line below the surface is hidden; a line above the surface is visible. */
 static void depth_hides_lines(void **state)
 {
     (void)state;

@@ -87,9 +87,9 @@ static uint32_t next_random(uint64_t *state)
     return (uint32_t)(*state >> 33);
 }
 
-/* Uses random triangles over a few lattice points, exact or slightly moved, which have every kind
- * of damage. Each mesh is repaired or rejected; at most one mesh is rejected for a degenerate
- * face. */
+/* Uses random triangles over a few lattice points, whose positions are exact or slightly moved. The
+ * meshes have every kind of damage. Each mesh is repaired or rejected; at most one mesh is rejected
+ * for a degenerate face. */
 static void any_damage_is_repaired_or_reported(void **state)
 {
     (void)state;

@@ -122,7 +122,7 @@ static void flat(void **state)
     gd_control_mesh_free(&mesh);
 }
 
-/* A path that is directed at the tip of a spike ends there. Other paths pass the tip. */
+/* A path that leads to the tip of a spike ends at the tip. Other paths pass the tip. */
 static void spike(void **state)
 {
     (void)state;

@@ -49,8 +49,8 @@ static void along_normals(void **state)
     gd_subdivision_release(surface);
 }
 
-/* Beyond a boundary the nearest point is on the boundary, and the connecting line is at a right
- * angle to it. */
+/* The nearest point to a position beyond a boundary is on the boundary. The line that connects them
+ * meets the boundary at a right angle. */
 static void boundary(void **state)
 {
     (void)state;

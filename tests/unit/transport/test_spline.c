@@ -123,7 +123,7 @@ static double plane_turn(struct gd_vec3 a, struct gd_vec3 b, struct gd_vec3 c)
 }
 
 /* If the speed at an end is 0, the curve is tangent to the line from this end to the first control
- * point that differs from it. */
+ * point that differs from the end. */
 static void is_tangent_where_the_speed_is_zero(void **state)
 {
     (void)state;
@@ -261,8 +261,9 @@ static bool is_clipped(const struct gd_spline *spline)
     return is;
 }
 
-/* Checks `along`, the length of the path up to a place. Between two places it grows by at least the
- * chord, and at the last place it is the length of the whole path. */
+/* Checks `along` of each place, which is the length of the path up to this place. From place to
+ * place, `along` grows by at least the chord. At the last place, it is the length of the whole
+ * path. */
 static void check_along(const struct gd_mesh *mesh, const struct gd_spline_line *line)
 {
     const struct gd_spline_place *places = line->places;

@@ -208,8 +208,8 @@ static double defect_at(const struct surface *surface, uint32_t index)
     return defect;
 }
 
-/* Finds three points in faces close to a vertex, around it. Returns false if one is not inside a
- * face, or if the vertex is on the boundary. */
+/* Finds three points around a vertex, close to the vertex and inside faces. Returns false if one of
+ * them is not inside a face, or if the vertex is on the boundary. */
 static bool triangle_around(const struct gd_mesh *mesh, struct gd_point centre,
                             struct gd_point corner[3])
 {
@@ -226,9 +226,9 @@ static bool triangle_around(const struct gd_mesh *mesh, struct gd_point centre,
     return true;
 }
 
-/* Gauss-Bonnet: transport around a small triangle turns a vector by the enclosed curvature, which
- * is the vertex' angle defect. Saddles are omitted, because the triangle's sides would bend
- * there. */
+/* Tests the theorem of Gauss-Bonnet: transport around a small triangle turns a vector by the
+ * enclosed curvature, which is the angle defect of the vertex inside. Saddles are omitted, because
+ * the triangle's sides would bend at them. */
 static void turns_by_the_angle_defect(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Tests guarantees of the propagation loop: work is bounded, and a refused run leaves no data in
- * the workspace. */
+/* Tests guarantees of the propagation loop: its work is bounded, and a run that fails leaves no
+ * data in the workspace. */
 #include "tests/support/test.h"
 
 #include "tests/samples/samples.h"

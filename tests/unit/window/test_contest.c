@@ -87,8 +87,8 @@ static void a_double_root_changes_nothing(void **state)
     }
 }
 
-/* Two sources close to a long edge have equal distances at both of its ends. Between the ends, near
- * the sources, one source is much nearer. */
+/* Two sources close to a long edge have equal distances at both ends of the edge. Between the ends,
+ * close to the sources, the distance from one source is much smaller. */
 static void windows_equal_at_both_ends_differ_between(void **state)
 {
     (void)state;

@@ -31,8 +31,8 @@ static void a_growing_builder_keeps_its_windows(void **state)
     gd__stack_destroy(&model);
 }
 
-/* A whole group after the last window may be written, and a whole group before the first one may be
- * read. AddressSanitizer checks this. */
+/* The code may write a whole group after the last window, and may read a whole group before the
+ * first window. AddressSanitizer checks this. */
 static void arrays_have_a_spare_group_on_both_sides(void **state)
 {
     (void)state;

@@ -122,7 +122,8 @@ static void *contend(void *user)
     return NULL;
 }
 
-/* At a fixed time there are tokens for exactly one second, whatever the number of threads. */
+/* While the time does not change, the bucket has tokens for exactly one second, whatever the number
+ * of threads. */
 static void threads_share_one_bucket(void **state)
 {
     (void)state;

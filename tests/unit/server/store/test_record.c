@@ -45,8 +45,8 @@ static void a_record_is_read_as_written(void **state)
     free(text);
 }
 
-/* Parses the options of an upload from a query string, makes a record with them, and reads them
- * back from the record. */
+/* Parses the options of an upload from a query string, makes a record with these options, and reads
+ * the options back from the record. */
 static void options_are_read_as_written(void **state)
 {
     (void)state;

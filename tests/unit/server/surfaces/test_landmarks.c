@@ -226,7 +226,7 @@ static void short_memory_ends_the_running_build(void **state)
     struct server_surface *large = occupy_thread();
     assert_false(has_landmarks(surface));
     assert_true(is_building());
-    assert_int_equal(surface->references, 2); /* the mesh could be unloaded while it waits */
+    assert_int_equal(surface->references, 2); /* the queued build holds no reference */
     reclaim(1);
     server_landmark_set_release(await(surface)); /* the next build */
     assert_false(has_landmarks(large));
