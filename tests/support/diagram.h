@@ -25,7 +25,7 @@ void member_set_put_curve(struct member_set *set, const struct gd_point *points,
 void member_set_put_path(struct member_set *set, const struct gd_mesh *mesh, struct gd_point from,
                          struct gd_point to);
 
-/* Merges the last member into the previous one. */
+/* Merges the last member into the member before it. */
 void member_set_join(struct member_set *set);
 void member_set_free(struct member_set *set);
 
