@@ -90,8 +90,8 @@ class Bulk(TestCase):
             self.assertEqual((refused.status, refused.json["pointer"]), (400, pointer), (body, refused))
 
     def test_groups(self):
-        """Tests few and many pairs with one common point, with and without the field of this point.
-        The common point is the first or the second point of the pairs."""
+        """Tests few and many pairs that share one point, with and without the field of this point.
+        The shared point is the first or the second point of the pairs."""
         chance = random.Random(2)
         self.daemon.ask("ball", "fields", {"set": {"points": [{"vertex": 3}]}})
         rows = [3] * 40 + [4] * 20 + [5] * 3 + [6]

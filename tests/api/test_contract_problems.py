@@ -26,8 +26,8 @@ RARE = {
 
 
 def is_sanitized():
-    """Returns whether the daemon runs under a sanitizer, whose allocator excludes a preloaded
-    one."""
+    """Returns whether the daemon runs under a sanitizer. The sanitizer's allocator excludes a
+    preloaded allocator."""
     program = PROGRAM.read_bytes()
     return any(name in program for name in (b"__asan_init", b"__tsan_init"))
 

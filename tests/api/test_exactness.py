@@ -33,7 +33,7 @@ def positions(mesh):
 
 
 class Asking(TestCase):
-    """Returns the distance of one pair from each operation that answers it."""
+    """Queries the distance of one pair by each operation that returns it."""
 
     def pair(self, mesh, start, end, query="distance"):
         answer = self.asked(mesh, query, {"from": start, "to": end})

@@ -1,5 +1,5 @@
-"""Fields of the same seeds with different radii: the cache keeps the one of the largest radius, and
-answers are the same as from a field of the wanted radius."""
+"""Fields of the same seeds with different radii: the cache keeps the field of the largest radius.
+Answers from this field equal answers from a field of the requested radius."""
 import concurrent.futures
 import random
 import unittest

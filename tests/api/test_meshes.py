@@ -298,7 +298,8 @@ class Content(TestCase):
 
 class Conditions(TestCase):
     def test_the_contract_lists_the_conditions(self):
-        """Answers about a mesh have an ETag, so the contract must list conditions for them."""
+        """Answers about a mesh have an ETag, so the contract must list the conditions for these
+        answers."""
         for path, item in self.daemon.get("/openapi.json").json["paths"].items():
             for method in set(item) & {"get", "head", "put", "post", "patch", "delete"}:
                 operation = item[method]

@@ -48,8 +48,8 @@ class Curves(Nurbs):
         self.assertEqual((beyond["warnings"], beyond["ends"]["curve"]["parameter"]), (["curve_corner"], 1))
 
     def test_closed_polylines(self):
-        """`closed` adds an edge between the last and the first point. Without `closed` the curve
-        has a gap there."""
+        """`closed` adds an edge between the last and the first point. Without `closed`, no edge
+        joins these points."""
         corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
         for closed, expected in ((True, 1), (False, math.sqrt(2))):
             answer = self.ask("plane", "point-curve-distance", {"point": [-2, 0], "curve": {"polyline": corners, "closed": closed}})

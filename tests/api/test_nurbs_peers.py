@@ -46,7 +46,7 @@ def wild(seed, degrees, counts, domain):
 
 def surfaces():
     """Yields a name, a surface, and points at which the surface is smooth. No point lies on a knot,
-    because programs choose different one-sided derivatives there."""
+    because programs choose different one-sided derivatives at knots."""
     chance = random.Random(1)
     whole = {"torus": rational_torus(), "sphere": rational_sphere(), "bumps": bumps(9, 7, 1, 2),
              "quadric": wild(3, (2, 2), (6, 5), ((0, 1), (0, 1))), "uneven": wild(4, (3, 2), (9, 8), ((-1.5, 7), (2, 2.25))),

@@ -138,8 +138,8 @@ class Pairs(TestCase):
             return [self.daemon.metric(name) - before[name] for name in ("searches_total", "cache_builds_total")]
 
         def ask(first, last):
-            """Queries one vertex after the other. Every second query has the opposite direction,
-            because both ends of a pair are counted."""
+            """Queries vertex 12 with one other vertex after the other. Every second query swaps the
+            two points, because queries are counted for both ends of a pair."""
             ends = [("v:12", f"v:{vertex}") for vertex in range(first, last)]
             return [self.distance("fresh", *(pair[::-1] if number % 2 else pair)) for number, pair in enumerate(ends)]
 

@@ -196,8 +196,8 @@ class Damage(Stored):
 
 
 class Earlier(Stored):
-    """Tests a data folder of the version that had only meshes. The folder has two meshes, of which
-    one was used."""
+    """Tests a data folder of the version that had only meshes. The folder has two meshes. Only one
+    of them was used."""
     QUAD = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
     ETAGS = {"b.c": "8f4dfe45ae4ca44551131943695e5ea4", "square": "b63e441c952b3224dec8e246512b0075"}
 

@@ -220,8 +220,8 @@ class Evaluate(Subdivisions):
 
     def test_a_spike(self):
         """Tests a surface that is smooth except at one interior corner. The surface passes through
-        this control point and has no normal there. A trace can end in the corner but not start
-        there. A path can start and end there."""
+        this control point and has no normal at this point. A trace can end in the corner but not
+        start in it. A path can start and end in the corner."""
         self.assertEqual(self.put("spike", CUBE + b"t corner 1/1/0 4 10\n").status, 201)
         tip, ask = {"face": 0, "uv": [0, 0]}, lambda *question: self.ask("spike", *question)
         [point] = ask("evaluate", {"points": [tip]})["points"]
