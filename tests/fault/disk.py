@@ -132,8 +132,8 @@ def try_full(place, number, library, call):
 
 
 def try_call(place, number, library, call):
-    """Makes calls of all types fail, one at a time. Acknowledged changes are stored; each other
-    change is stored or not stored."""
+    """Makes calls of all types fail, one at a time. Acknowledged changes must be stored. Each other
+    change may be stored or not."""
     trial = Trial(place, number, library)
     trial.order(f"eio {call}")
     for status in changes(trial):

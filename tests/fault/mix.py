@@ -118,7 +118,8 @@ class Mix:
         return Request(kind, "GET", f"/v1/{path}", None, headers)
 
     def of_field(self, kind, make):
-        """Returns a request about an existing field, or one that creates a field."""
+        """Returns a request about an existing field. Without a field, returns a request that
+        creates one."""
         if not self.fields:
             return self.field(self.chance.choice(list(self.faces)))
         return make(self.chance.choice(self.fields).removeprefix("/v1/"))
