@@ -1,6 +1,6 @@
-/* Compares distances between curves with closed forms and with the distance in the opposite
- * direction, which uses another field. Also compares them with samples, which bound the distance
- * from one side. */
+/* Compares distances between curves with closed forms, and with the distance in the opposite
+ * direction, which uses another field. Also compares the distances with sampled distances, which
+ * bound them from one side. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -239,7 +239,7 @@ static void lines_in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Tests the two boundaries of a cylinder. Also tests a request with another curve than the one from
+/* Tests the two boundaries of a cylinder. Also tests a request whose curve is not the curve from
  * which the field was built. */
 static void boundaries(void **state)
 {

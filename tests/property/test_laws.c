@@ -57,9 +57,9 @@ static void test_metric(void **state)
     }
 }
 
-/* On steep surfaces the distance of a vertex may fall several times, and the vertex emits windows
- * each time. Stored wedges must not block newer windows. Distances between all vertices must be the
- * same in both directions. */
+/* On steep surfaces, the distance of a vertex may fall several times during the propagation, and
+ * the vertex emits windows each time. Stored wedges must not block newer windows. Distances between
+ * all vertices must be the same in both directions. */
 static void test_steep(void **state)
 {
     (void)state;
