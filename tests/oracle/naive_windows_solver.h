@@ -233,9 +233,9 @@ static REAL NAME(place_on_side)(const struct NAME(window) * window, struct NAME(
     return !(t > 0) ? 0 : t < 1 ? t : 1;
 }
 
-/* Returns whether paths along the side, from one of its ends, are shorter than the paths through
- * the window at all points of the window. By the triangle inequality, it suffices to test the point
- * of the window that is farthest from this end. */
+/* Returns whether, for one end of the side, the path to this end and along the side is shorter than
+ * the path through the window, at all points of the window. By the triangle inequality, it suffices
+ * to test the point of the window that is farthest from this end. */
 static bool NAME(is_useless)(const struct NAME(solver) * solver, const struct NAME(window) * window,
                              REAL begin, REAL end)
 {
