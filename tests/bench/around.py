@@ -334,7 +334,7 @@ def measure_random(options, daemon, described):
 
 
 def print_random(measured):
-    """Prints a row for each kind, the one with the most processor time first."""
+    """Prints a row for each kind, beginning with the kind that took the most processor time."""
     rows = []
     for name, those in sorted(measured.items(), key=lambda item: -max(one[1] for one in item[1])):
         seconds, cpu, statuses, texts = zip(*those)

@@ -203,8 +203,8 @@ def curve(axes, points, key, colour):
 
 
 def plot(series, key, title):
-    """Returns an SVG page: one curve for each family, with its exponent in the legend, the steepest
-    first."""
+    """Returns an SVG page with one curve for each family. The legend has the exponents, the
+    steepest curve first."""
     axes, middle = Axes(series, key), (LEFT + WIDTH - RIGHT) / 2
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif">',
              f'<rect width="{WIDTH}" height="{HEIGHT}" fill="#fff"/>', text(middle, 28, f"{title}, against faces", "middle", 16), *grid_lines(axes),

@@ -107,7 +107,8 @@ def pair_kinds(draw):
 
 
 def field_kinds(draw, field):
-    """Returns the kinds of a field, and of the diagrams that follow from one."""
+    """Returns the kinds of requests about a field, and about the diagrams that follow from a
+    field."""
     return {
         "field": lambda: ("POST", f"{MESH}/fields", {"set": {"points": draw.points(3)}}),
         "field, near": lambda: ("POST", f"{MESH}/fields", {"set": {"points": draw.points(3)}, "max_distance": draw.length(0.2)}),
