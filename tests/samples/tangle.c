@@ -1,6 +1,6 @@
-/* Small random surfaces by a random walk. Each step keeps the surface a 2-manifold. It splits an
- * edge or a face, flips an edge unless the new edge exists, or removes a face if the faces at each
- * of its corners remain one fan. */
+/* Makes small random surfaces by a random walk. Each step keeps the surface a 2-manifold. A step
+ * splits an edge or a face, flips an edge unless the new edge exists, or removes a face if the
+ * other faces at each of its corners remain one fan. */
 #include <math.h>
 
 #include "gd/vec.h"

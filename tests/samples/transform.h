@@ -23,8 +23,9 @@ void sample_jitter(struct gd_polygons *mesh, double amplitude, uint64_t seed);
 /* Flips each face with this probability. */
 void sample_flip_faces(struct gd_polygons *mesh, double probability, uint64_t seed);
 
-/* Shuffles vertices and faces and rotates the corners of each face. `vertex_map` and `face_map`
- * (may be NULL) receive the new index of each old one. GD_NO_MEMORY: nothing is changed. */
+/* Shuffles vertices and faces, and rotates the corners of each face. `vertex_map` and `face_map`
+ * receive the new index of each vertex and face; they may be NULL. On GD_NO_MEMORY nothing is
+ * changed. */
 GD_MUST_USE enum gd_status sample_renumber(struct gd_polygons *mesh, uint64_t seed,
                                            uint32_t *vertex_map, uint32_t *face_map);
 

@@ -97,9 +97,9 @@ static uint32_t *triangle_around(struct triangulation *t, uint32_t p)
     return NULL;
 }
 
-/* If the point lies on an edge, one of the three new triangles is degenerate. Its circumcircle is a
- * half-plane, which contains the apex on the other side of the edge. So legalise flips the edge,
- * which removes the triangle. */
+/* If the point lies on an edge, one of the three new triangles is degenerate. The circumcircle of
+ * this triangle is a half-plane, which contains the apex on the other side of the edge. So legalise
+ * flips the edge, and this removes the degenerate triangle. */
 uint32_t triangulation_insert(struct triangulation *t, int64_t x, int64_t y)
 {
     uint32_t p = t->point_count++;

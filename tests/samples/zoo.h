@@ -37,7 +37,7 @@ zoo_maker zoo_not_finite;      /* coordinate: a triangle with this coordinate */
 /* height: a quadrilateral in a plane. One of its four triangles has the base 1 and this height. */
 zoo_maker zoo_cap;
 
-/* columns, rows, width, slant: planar cells. Each row is shifted by `slant` against the one
+/* columns, rows, width, slant: planar cells. Each row is shifted by `slant` against the row
  * below. */
 zoo_maker zoo_needles;
 
