@@ -17,8 +17,8 @@ SEARCHES = 16  # number of queries of a source until its field is built
 
 
 class Questions:
-    """Meshes, pairs of points on each mesh, and one node's answers. Each pair has the answer of a
-    search and the answer from a field, which may differ in the last digit."""
+    """Meshes, pairs of points on each mesh, and the answers of one node. Each pair has two answers,
+    from a search and from a field, which may differ in the last digit."""
 
     def __init__(self, meshes, pairs, seed=1):
         """`meshes` maps each name to (file, number of vertices)"""
