@@ -123,8 +123,8 @@ static void special_values_are_left_out(void **state)
     assert_int_equal(left_out_of(gd__decimals_plain, 99999999999999984.0), 0);
 }
 
-/* Tests every power of two that the lanes handle (its rounding interval is asymmetric), half-way
- * cases (2251799813685248.5 is one), and the neighbours of all of them. */
+/* Tests each power of two that the lanes handle (its rounding interval is asymmetric), half-way
+ * cases such as 2251799813685248.5, and the neighbours of these numbers. */
 static void lanes_agree_about_rare_numbers(void **state)
 {
     (void)state;

@@ -204,7 +204,7 @@ static void check_same_mesh(const struct gd_mesh *a, const struct gd_mesh *b)
     assert_memory_equal(a->bvh->box, b->bvh->box, a->bvh->level_count[0] * sizeof *a->bvh->box);
 }
 
-/* Two threads build the same mesh as one, to the last bit. Half of the faces are flipped. */
+/* Two threads build the same mesh as one thread, to the last bit. Half of the faces are flipped. */
 static void two_threads_build_the_same(void **state)
 {
     (void)state;
@@ -232,7 +232,7 @@ static uint32_t add_middle(struct gd_polygons *polygons, uint32_t a, uint32_t b)
     return polygons->position_count++;
 }
 
-/* Two threads report the same offending elements as one. */
+/* Two threads report the same offending elements as one thread. */
 static void two_threads_refuse_the_same(void **state)
 {
     (void)state;

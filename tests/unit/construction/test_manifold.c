@@ -11,7 +11,7 @@ static void two_open_fans_at_a_vertex_are_refused(void **state)
                     "the faces around vertex 0 form 2 separate fans");
 }
 
-/* Tetrahedra that share only their last vertex. */
+/* Uses tetrahedra that share only their last vertex. */
 static void closed_fans_at_a_vertex_are_refused(void **state)
 {
     (void)state;

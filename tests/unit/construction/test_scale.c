@@ -72,7 +72,7 @@ static void too_small_and_too_large_extents_are_refused(void **state)
     }
 }
 
-/* Two components of very different size in one mesh. */
+/* Uses two components of very different size in one mesh. */
 static void a_tiny_part_in_a_large_assembly_is_accepted(void **state)
 {
     (void)state;

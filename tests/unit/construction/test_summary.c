@@ -37,7 +37,7 @@ static void euler_characteristic_and_genus(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Two quads joined along all four edges: a surface without thickness has the topology of a
+/* Two quads are joined along all four edges. This surface without thickness has the topology of a
  * sphere. */
 static void a_pillow_is_a_sphere(void **state)
 {

@@ -43,8 +43,8 @@ static void check_face(const struct gd__arrangement *arrangement, uint32_t face)
     }
 }
 
-/* Tests closed polylines with many corners at few positions, perturbed by tiny amounts. They cross,
- * touch and overlap in every way. */
+/* Tests closed polylines with many corners at few positions, perturbed by tiny amounts. The
+ * polylines cross, touch and overlap in every way. */
 static void crowded_polylines(void **state)
 {
     (void)state;

@@ -216,7 +216,7 @@ static struct gd_point random_point(const struct gd_mesh *mesh, uint32_t compone
     }
 }
 
-/* Distances within a piece are at least those on the whole mesh. */
+/* A distance within a piece is at least the distance on the whole mesh. */
 static void check_distances(const struct gd_mesh *mesh, const struct cutting *cutting,
                             struct rng *rng)
 {
@@ -315,8 +315,8 @@ static void random_curves_on_tangles(void **state)
     assert_true(cuts > 100 && flat == 0);
 }
 
-/* In a face flatter than 1e-5, most of the area is too close to the border for a curve through it.
- * Some of these curves are refused. */
+/* In a face flatter than 1e-5, most points are too close to the border for a curve to pass through
+ * them. Some of these curves are refused. */
 static void random_curves_on_slivers(void **state)
 {
     (void)state;

@@ -59,7 +59,7 @@ static void small_examples(void **state)
     }
 }
 
-/* Two spheres that overlap cross near the circle in which they meet, and nowhere else. */
+/* Two overlapping spheres cross near the circle in which they meet, and nowhere else. */
 static void two_spheres(void **state)
 {
     (void)state;

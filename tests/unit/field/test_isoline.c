@@ -206,7 +206,7 @@ static void loops_within_one_face(void **state)
     gd_isoline_free(&isoline);
     gd_field_release(field);
     /* Seeds are the midpoints of the sides. The distance has a maximum at the centre of the circle
-     * through them. */
+     * through these midpoints. */
     struct gd_seed round[3] = {{.point = test_point(mesh, (struct test_place){0, {0.5, 0.5, 0}})},
                                {.point = test_point(mesh, (struct test_place){0, {0, 0.5, 0.5}})},
                                {.point = test_point(mesh, (struct test_place){0, {0.5, 0, 0.5}})}};

@@ -44,8 +44,8 @@ static void close_scene(struct scene *scene)
     gd_field_release(scene->of_to);
 }
 
-/* Checks that the lower bound of each vertex is at most the exact distance, if a path through the
- * vertex is not longer than `bound`. Returns the number of these vertices. */
+/* Checks the lower bound of each vertex through which a path of at most the length `bound` leads.
+ * This lower bound must be at most the exact distance. Returns the number of these vertices. */
 static uint32_t check_bounds(struct scene *scene, double bound)
 {
     uint32_t passed = 0;

@@ -1,5 +1,5 @@
-/* Reads the animation of a written GLB back, without the engine's reader: from the end of the file,
- * where its times, translations and rotations are. */
+/* Reads back the animation of a written GLB, without the engine's reader. The times, translations
+ * and rotations are at the end of the file. */
 #include "gd/result_file.h"
 
 #include <math.h>

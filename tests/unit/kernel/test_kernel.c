@@ -139,7 +139,7 @@ static int free_lists(void **state)
     return 0;
 }
 
-/* Calls `test` for lists of every kind and size in `list`. */
+/* Fills `list` with lists of every kind and size, and calls `test` for each of these lists. */
 static void for_all_lists(uint64_t seed, void (*test)(struct rng *rng, double length))
 {
     struct rng rng = {seed};

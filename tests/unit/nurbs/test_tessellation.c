@@ -84,7 +84,8 @@ static void parameters_convert_both_ways(void **state)
     }
 }
 
-/* The middle of an edge, where it is farthest from the surface, is within the deviation. */
+/* The middle of an edge is its farthest point from the surface. This distance must be within the
+ * deviation. */
 static void a_deviation_is_kept(void **state)
 {
     (void)state;

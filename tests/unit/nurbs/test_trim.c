@@ -432,7 +432,7 @@ static void the_domain_ends_at_the_loops(void **state)
     close_scene(&scene);
 }
 
-/* A point and a curve on both sides of the hole. */
+/* Tests a point on one side of the hole, and a curve on the other side. */
 static void a_curve_behind_a_hole(void **state)
 {
     (void)state;
@@ -464,7 +464,7 @@ static void a_curve_behind_a_hole(void **state)
     close_scene(&scene);
 }
 
-/* Paths that begin or end on the loop. */
+/* Tests paths that begin or end on the loop. */
 static void paths_along_a_loop(void **state)
 {
     (void)state;

@@ -182,7 +182,7 @@ static void queries_without_lines_have_no_geometry(void **state)
     assert_true(proto_batch_options(&query, &none, &path, &options, &problem));
     query = (struct proto_batch_query){.geometry = "full", .has_geometry = true};
     assert_true(proto_batch_options(&query, &none, &distance, &options, &problem));
-    /* Operations without the option ignore the query string's geometry. */
+    /* Operations without the option `geometry` ignore it in the query string. */
     query = (struct proto_batch_query){0};
     assert_true(proto_batch_options(&query, &all, &distance, &options, &problem));
 }

@@ -286,8 +286,8 @@ static void points_close_to_a_vertex(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Like points_close_to_a_vertex, for a point of an edge and the edge's end at the origin. At the
- * origin, coordinates are exact but edge lengths are rounded. */
+/* Like points_close_to_a_vertex, but with a point of an edge and the end of this edge at the
+ * origin. At the origin, coordinates are exact but edge lengths are rounded. */
 static void points_close_to_a_vertex_at_the_origin(void **state)
 {
     (void)state;

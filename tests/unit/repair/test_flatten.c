@@ -134,7 +134,7 @@ static void the_faces_of_a_flipped_edge_keep_their_indices(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Caps at the lower border of a square are dropped. The border keeps all of their points. */
+/* Caps at the lower border of a square are dropped. The border keeps all points of the caps. */
 static void caps_at_the_border_are_dropped(void **state)
 {
     (void)state;

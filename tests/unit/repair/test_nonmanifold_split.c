@@ -43,7 +43,7 @@ static void an_open_bow_tie_is_cut(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Tetrahedra that share only their last vertex. */
+/* Uses tetrahedra that share only their last vertex. */
 static void a_closed_bow_tie_is_cut(void **state)
 {
     (void)state;

@@ -74,8 +74,8 @@ static void regular_grid(void **state)
     gd_control_mesh_free(&mesh);
 }
 
-/* Uses four infinitely sharp edges around the top. Their curve is the uniform cubic B-spline of the
- * square, and the top stays in the plane z = 1. */
+/* Uses four infinitely sharp edges around the top. On the surface, these edges become the uniform
+ * cubic B-spline of the square, and the top stays in the plane z = 1. */
 static void creased_cube(void **state)
 {
     (void)state;
@@ -181,7 +181,7 @@ static void derivatives(void **state)
     gd_subdivision_release(octahedron);
 }
 
-/* Both faces of an edge give the same position, normal and curvatures along it. The pairs of
+/* Both faces of an edge give the same position, normal and curvatures along this edge. The pairs of
  * parameters below denote the same point. */
 static void borders(void **state)
 {
@@ -271,8 +271,8 @@ static void boundary_vertices(void **state)
     gd_subdivision_release(surface);
 }
 
-/* The pieces of an n-gon meet in its middle. They are the faces of the control mesh refined
- * once. */
+/* The pieces of an n-gon meet in its middle. These pieces are faces of the control mesh after one
+ * refinement. */
 static void polygons(void **state)
 {
     (void)state;
@@ -344,8 +344,8 @@ static void spikes(void **state)
     gd_subdivision_release(cube);
 }
 
-/* A corner that is already the centre of its ring is not a spike. A regular planar sheet stays the
- * same. */
+/* A sharp corner is not a spike if it is already the centre of its ring. A regular planar sheet
+ * with such a corner has the same surface as without it. */
 static void corner_in_a_plane(void **state)
 {
     (void)state;

@@ -192,7 +192,7 @@ static void refuses_bodies_that_are_not_gzip(void **state)
     assert_int_equal(problem.code, PROTO_PROBLEM_INVALID_REQUEST);
 }
 
-/* Several members are one body; other bytes after them are refused. */
+/* Several compressed members form one body. Other bytes after the members are refused. */
 static void decompresses_several_members(void **state)
 {
     (void)state;

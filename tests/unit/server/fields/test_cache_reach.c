@@ -81,7 +81,7 @@ static void builds_of_the_same_seeds(void **state)
     server_cache_fail(long_flight, GD_CANCELLED);
 }
 
-/* A failure for a radius also holds for larger radii, but not for smaller ones. */
+/* A failure for a radius also holds for larger radii, but not for smaller radii. */
 static void failures_hold_for_larger_reaches(void **state)
 {
     struct fixture *fixture = *state;

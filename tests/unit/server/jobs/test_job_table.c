@@ -434,8 +434,8 @@ static void the_tenant_with_the_most_jobs_loses_one(void **state)
     server_deferred_job_release(more);
 }
 
-/* Runs a job whose answer has `bytes` bytes, and writes its id. All answers together may
- * have 1 MiB. Returns false if the job failed. */
+/* Runs a job whose answer has `bytes` bytes, and writes the job's id. All answers together may have
+ * 1 MiB. Returns false if the job failed. */
 static bool keep(const char *who, size_t bytes, char id[SERVER_JOB_ID])
 {
     answer_size = bytes;

@@ -26,7 +26,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* Builds the surface of an OBJ file with a control without a budget. Returns NULL if there is a
+/* Builds the surface of an OBJ file. The control must have no budget. Returns NULL if there is a
  * problem. */
 static struct server_surface *build_under(struct gd_control control, const char *file,
                                           const char *options)
