@@ -23,8 +23,8 @@
 #define TEST_IS_SANITIZED 0
 #endif
 
-/* Sanitizers slow the long tests down some ten times. With a sanitizer, these tests make one of
- * TEST_STRIDE repetitions. */
+/* Sanitizers slow the long tests down some ten times. With a sanitizer, these tests run one in
+ * TEST_STRIDE of their repetitions. */
 #define TEST_STRIDE (TEST_IS_SANITIZED ? 10 : 1)
 
 #include "gd/point.h"
