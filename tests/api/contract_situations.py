@@ -206,7 +206,7 @@ def try_plain(found):
 
 
 def instead(scene, operation, name, value):
-    """Returns the request with that parameter only, or None if the operation lacks the
+    """Returns the request with only that parameter, or None if the operation lacks the
     parameter."""
     has = any(parameter["name"] == name for parameter in operation.parameters)
     return scene.ask(operation)._replace(target=f"{scene.path(operation)}?{name}={value}") if has else None

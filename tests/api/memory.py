@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the daemon's memory against its budget, and its first field against later ones. Prints
+"""Measures the daemon's memory against its budget, and its first field against later fields. Prints
 figures, not a verdict.
 
     tests/api/memory.py [OBJ ...]

@@ -83,7 +83,8 @@ class Keyed(TestCase):
         return self.daemon.request(method, path, body, {**own, **header_fields(headers)})
 
     def logged(self, request_id):
-        """Returns the log line of a request, which is written slightly later."""
+        """Returns the log line of a request. The daemon writes this line slightly after the
+        answer."""
         return wait_until(lambda: [entry for entry in self.daemon.log if entry.get("request_id") == request_id])[0]
 
 

@@ -256,7 +256,7 @@ class Smuggling(TestCase):
         self.assertGreater(sum(is_refused(answers) for answers, _ in answered), 200)
 
     def test_requests_before_an_attack_are_answered(self):
-        """A fault affects its own request and later ones, not earlier ones."""
+        """A fault affects its own request and later requests, but not earlier requests."""
         good = b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n"
         for bad, refusal in ((GET + HOST + b"\r\n", [b"400"]), (GET + b"X : y\r\n\r\n", [b"400"]), (b"rubbish\r\n\r\n", [])):
             self.assertEqual(self.attack(good * 3 + bad + HIDDEN), [b"200"] * 3 + refusal)
@@ -372,8 +372,8 @@ class Sizes(TestCase):
         self.assertEqual(self.daemon.get("/livez").status, 200)
 
     def test_heads_have_room_for_so_much(self):
-        """A head that just fits is answered. A longer one gets a problem with the limit or, near
-        the library's own limit, the library's 431."""
+        """A head that just fits is answered. The daemon answers a longer head with a problem that
+        names the limit. Near the library's own limit, the library answers with 431."""
         def get(target=b"/livez", *headers):
             received = self.daemon.raw(b"GET " + target + b" HTTP/1.1\r\n" + HOST + b"".join(headers) + b"Connection: close\r\n\r\n")
             head, _, body = received.partition(b"\r\n\r\n")

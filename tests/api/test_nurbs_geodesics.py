@@ -1,5 +1,5 @@
-"""Shortest paths between two points of a NURBS or other parametric surface, against closed forms;
-and their deadlines."""
+"""Compares shortest paths between two points of a NURBS or other parametric surface with closed
+forms. Also tests the deadlines of these requests."""
 import math
 import random
 import time

@@ -53,8 +53,8 @@ class Tessellations(Nurbs):
         return 200 if made else 201
 
     def test_tolerance(self):
-        """Midpoints of edges are within about the tolerance of the surface; a finer tolerance
-        brings them nearer."""
+        """Midpoints of edges are within about the tolerance of the surface. With a finer tolerance,
+        they are nearer to the surface."""
         counts = []
         for tolerance in (0.1, 0.01, 0.001):
             made = self.tessellate("ring", 201 if tolerance == 0.1 else 200, mesh="fine", tolerance=tolerance).json
