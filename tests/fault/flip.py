@@ -38,7 +38,7 @@ QUERIES = (f"distance?from={SOURCES[0]}&to=v:1", f"path?from={SOURCES[1]}&to=v:3
 
 
 def warm(daemon):
-    """Repeats queries until the fields and landmarks to be damaged exist."""
+    """Repeats queries until the fields and landmarks exist that the test damages."""
     for name in ("large", *MESHES):
         for source in SOURCES:
             daemon.ask_often(name, source)

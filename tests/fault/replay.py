@@ -47,8 +47,9 @@ STEPS = [("a", 1.5, 0), ("b", 0.75, 9000), ("a", 1.25, 0), ("c", 1.25, 0), ("b",
 
 
 class Scenario:
-    """Creates meshes, some of them with equal contents. Replaces meshes by other contents and by
-    the same contents, and deletes meshes. Restarts and kills the daemon several times."""
+    """Creates meshes, some of them with equal contents. Replaces the contents of meshes by other
+    contents and by the same contents, and deletes meshes. Restarts and kills the daemon several
+    times."""
 
     def __init__(self, root, log, library):
         self.folder, self.log, self.library = root / DATA, log, library

@@ -36,7 +36,8 @@ def fill(folder):
 
 
 def interrupt(arguments, seconds):
-    """Runs the command and kills it after that time. Returns whether the command ended before."""
+    """Runs the command and kills it after that time. Returns whether the command ended earlier by
+    itself."""
     process = subprocess.Popen(arguments, stdout=subprocess.DEVNULL)
     try:
         return process.wait(seconds) == 0

@@ -97,8 +97,8 @@ def crowd(daemon, wrong, cpu_most, *upload_statuses):
 
 
 def start_with_few(place):
-    """Starts a daemon with few descriptors. It limits its connections, so that it keeps the
-    descriptors that it needs itself."""
+    """Starts a daemon with few descriptors. The daemon limits the number of its connections, so
+    that it keeps enough descriptors for its other needs."""
     wrong = []
     with few_descriptors():
         daemon = start(place, "few")

@@ -72,7 +72,8 @@ class Stuck:
         os.close(self.reader)
 
     def ask(self, count):
-        """Returns the seconds of each request of one client that was answered with 200."""
+        """Sends requests as one client. Returns the seconds of each request that was answered with
+        200."""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE_SECONDS)
         took = []
         with contextlib.suppress(OSError, http.client.HTTPException), contextlib.closing(connection):

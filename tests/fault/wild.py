@@ -74,8 +74,8 @@ def hold(law, is_held, *values):
 
 
 def check_laws(questions, points):
-    """Checks that distances are symmetric, zero from a point to itself, at most the sum via a third
-    point, and the length of their path."""
+    """Checks the laws of a distance: it is the same in both directions, it is zero from a point to
+    itself, it is at most the sum via a third point, and it is the length of the path."""
     distances = {(a, b): questions.distance(a, b) for a, b in itertools.permutations(points, 2)}
     slack = TOLERANCE * max((value for value in distances.values() if value < math.inf), default=0)
     for a in points:
