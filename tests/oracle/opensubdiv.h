@@ -11,9 +11,9 @@
 extern "C" {
 #endif
 
-/* Number of levels of adaptive refinement, which is the maximum that OpenSubdiv allows. OpenSubdiv
- * approximates the surface at distances below 2^-(level - 1) of a face from an extraordinary
- * vertex. Elsewhere it is exact. */
+/* Number of levels of adaptive refinement, which is the maximum that OpenSubdiv allows. At a
+ * distance from an extraordinary vertex of less than 2^-(level - 1) faces, OpenSubdiv approximates
+ * the surface. Elsewhere it is exact. */
 #define OPENSUBDIV_LEVEL 10
 
 bool opensubdiv_is_available(void);
