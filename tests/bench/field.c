@@ -87,8 +87,8 @@ static void measure_distances(const char *name, const struct gd_mesh *mesh,
     free(times);
 }
 
-/* Measures the process' first field separately, because it cannot reuse memory. The first run uses
- * the same source. */
+/* Measures the process' first field separately, because it cannot reuse memory. The first of the
+ * other runs uses the same source as this field. */
 static void measure(const char *name, const struct gd_mesh *mesh,
                     const struct bench_options *options)
 {

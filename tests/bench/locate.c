@@ -9,7 +9,8 @@
 enum { QUESTIONS = 20000 };
 
 struct question {
-    /* a point on the surface, and one in the bounding box grown by half its size */
+    /* a point on the surface, and a point in the bounding box, which is enlarged by half of its
+     * size */
     struct gd_vec3 on, around;
 };
 
