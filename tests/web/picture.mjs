@@ -8,7 +8,7 @@ const DENSE = ["torus", "columns=1050", "rows=524"]; /* 1.1 million faces */
 const PATH = [228, 87, 46];
 const NEAR = 24; /* of 255, in each channel */
 
-/** Returns the number of pixels with a colour near to one, and the number of reddish pixels. */
+/** Returns the number of pixels whose colour is near `colour`, and the number of reddish pixels. */
 async function countPixels(page, colour) {
   const png = (await page.locator("#canvas").screenshot()).toString("base64");
   return page.evaluate(
