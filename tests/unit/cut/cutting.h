@@ -1,5 +1,5 @@
-/* Helpers of the tests of cut. They make a cut, build its pieces by the ordinary builder, and check
- * the properties of every cut. */
+/* Helpers of the tests of engine/cut. They make a cut, build its pieces by the ordinary builder,
+ * and check the properties of every cut. */
 #ifndef TESTS_UNIT_CUT_CUTTING_H
 #define TESTS_UNIT_CUT_CUTTING_H
 

@@ -3,8 +3,8 @@
 #include "cutting.h"
 
 /* Checks the segments and nodes of a face. Segments must meet only in their ends, no node may be
- * close to the inside of a segment, and no segment may be a side of the face. Nodes must have at
- * least the least permitted distance from each other. */
+ * close to the inside of a segment, and no segment may be a side of the face. Nodes must not be
+ * closer to each other than the least permitted distance. */
 static void check_face(const struct gd__arrangement *arrangement, uint32_t face)
 {
     const struct gd__nodes *nodes = &arrangement->nodes;

@@ -125,8 +125,8 @@ static void farthest_in_a_square(void **state)
 
 /* --- segments --------------------------------------------------------------------------------- */
 
-/* Returns the field of all boundaries as curves. Each curve's offset exceeds the previous one's by
- * `more`. */
+/* Returns the field of all boundaries as curves. The offset of each curve exceeds the offset of the
+ * curve before it by `more`. */
 static struct gd_field *field_of_boundaries(const struct gd_mesh *mesh, double more)
 {
     struct gd_seed *seeds = NULL;

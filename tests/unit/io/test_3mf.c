@@ -65,7 +65,7 @@ static const struct good_package good[] = {
              "<vertex/><c:triangle v1=\"0\" v2=\"1\" v3=\"2\"/></c:object>"
              "<c:item objectid=\"1\"/></c:model>"}},
      TRIANGLE_MESH},
-    /* a component of another part with another unit */
+    /* the component is in another part, which has another unit */
     {{{PART, WITH_PATHS "<resources><object id=\"1\"><components><component p:path=\"/3D/a.model\" "
                         "objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 1 0 0 4\"/></components>"
                         "</object></resources>" BUILD(ITEM("\"1\""))},

@@ -12,8 +12,8 @@ static enum gd_status shoot(const struct gd_mesh *mesh, struct gd_vec3 origin,
     return gd_locate_first_hit(mesh, origin, direction, out, NULL);
 }
 
-/* Returns the distance of the first hit by an intersection with each triangle, or INFINITY if there
- * is no hit. */
+/* Intersects the ray with each triangle. Returns the distance of the first hit, or INFINITY if
+ * there is no hit. */
 static double brute_force(const struct gd_polygons *polygons, struct gd_vec3 o, struct gd_vec3 d)
 {
     double best = INFINITY;

@@ -1,4 +1,5 @@
-/* Tests of segments: the face or edge that contains them, and their chord in a face's frame. */
+/* Tests which face or edge contains a segment, and the chord of the segment in the frame of a
+ * face. */
 #include "tests/support/test.h"
 
 #include <math.h>

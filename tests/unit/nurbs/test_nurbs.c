@@ -260,8 +260,8 @@ static void nearest_points_are_global(void **state)
 
 /* --- the control net -------------------------------------------------------------------------- */
 
-/* The control points are those of the data, up to rounding, also with weights and far from the
- * origin. */
+/* The control points equal those of the data, up to rounding. This also holds for points with
+ * weights and far from the origin. */
 static void control_points_are_those_of_the_data(void **state)
 {
     (void)state;

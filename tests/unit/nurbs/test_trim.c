@@ -1,4 +1,4 @@
-/* Shortest paths in trimmed domains, compared with closed forms: paths around circles, corners and
+/* Compares shortest paths in trimmed domains with closed forms: paths around circles, corners and
  * holes in the plane, and on a cylinder, which develops into the plane. */
 #include "gd/geodesic_like.h"
 
@@ -33,7 +33,7 @@ static void close_scene(struct scene *scene)
     gd_parametric_release(scene->base);
 }
 
-/* The rectangle [0, width] x [0, height] of the plane, with (u, v) = (x, y). */
+/* Creates the rectangle [0, width] x [0, height] of the plane, with (u, v) = (x, y). */
 static struct gd_parametric *flat(double width, double height)
 {
     static const double zero[1] = {0};
@@ -231,9 +231,9 @@ static void around_a_hole_of_a_cylinder(void **state)
     close_scene(&scene);
 }
 
-/* A hole between meridians and parallels of the unit sphere. A path that passes south of the hole
- * has three parts: an arc of a great circle that is tangential to the hole's southern parallel, a
- * part of this parallel, and another arc of a great circle. */
+/* Tests a hole between meridians and parallels of the unit sphere. A path that passes south of the
+ * hole has three parts: an arc of a great circle that is tangential to the hole's southern
+ * parallel, a part of this parallel, and another arc of a great circle. */
 static void along_a_parallel_of_a_sphere(void **state)
 {
     (void)state;

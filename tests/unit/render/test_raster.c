@@ -152,8 +152,8 @@ static void count_covered(void *user, uint32_t face, float depth, double x, doub
     *count += face != GD_NONE;
 }
 
-/* A sheet of many triangles with displaced inner vertices. Samples inside the sheet are covered;
- * other samples are not. */
+/* Tests a sheet of many triangles with displaced inner vertices. Samples inside the sheet are
+ * covered; other samples are not. */
 static void no_gaps_between_neighbours(void **state)
 {
     (void)state;

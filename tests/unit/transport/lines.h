@@ -1,4 +1,4 @@
-/* Helpers of the tests of transport. */
+/* Helpers of the tests of engine/transport. */
 #ifndef TESTS_UNIT_TRANSPORT_LINES_H
 #define TESTS_UNIT_TRANSPORT_LINES_H
 

@@ -459,8 +459,8 @@ static void normals_keep_a_mirror_plane(void **state)
 
 /* --- self-intersections ----------------------------------------------------------------------- */
 
-/* On a cone with a total angle below pi, a line that runs towards the apex turns around it and
- * crosses itself. */
+/* On a cone with a total angle below pi, a line that runs towards the apex turns around the apex
+ * and crosses itself. */
 static void crosses_itself_on_a_cone(void **state)
 {
     (void)state;

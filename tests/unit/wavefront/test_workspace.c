@@ -85,8 +85,9 @@ static void check_refusal(const struct gd_mesh *mesh, const struct gd_field_requ
     assert_null(field);
 }
 
-/* Computes fields and pairs on meshes of several sizes in turn, near and far, finished and
- * cancelled. Each result equals the result with a fresh workspace. */
+/* Computes fields and pairs on meshes of several sizes in random order. Some fields end at a radius
+ * or at a target, and some calls are cancelled. Each result equals the result with a fresh
+ * workspace. */
 static void calls_are_independent(void **state)
 {
     (void)state;

@@ -184,7 +184,7 @@ static void only_complete_records_are_read(void **state)
                      SERVER_RECORD_NEWER);
 }
 
-/* A record of version 1, without kinds. */
+/* Tests a record of version 1, which has no kind. */
 static void version_1_is_a_mesh_without_tenant(void **state)
 {
     (void)state;
