@@ -19,8 +19,8 @@ def digest(key):
 
 
 def line(name, settings=""):
-    """Returns a key's line of the file; the key's text is its name. All keys share the names of
-    meshes; for separate tenants see test_tenants.py."""
+    """Returns the line of the keys' file for a key whose text is its name. All keys share the names
+    of meshes; for separate tenants see test_tenants.py."""
     return f"{name} sha256:{digest(key_of(name))} tenant=all {settings}\n"
 
 

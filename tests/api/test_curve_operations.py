@@ -1,4 +1,4 @@
-"""Operations on curves: length, resampling, shortening, closed geodesics, offsets."""
+"""Tests operations on curves: length, resampling, shortening, closed geodesics, offsets."""
 import math
 import unittest
 

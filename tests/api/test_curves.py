@@ -1,4 +1,4 @@
-"""Curves: exact distances to them as members of sets, and the distance between two curves."""
+"""Tests exact distances to curves that are members of sets, and the distance between two curves."""
 import json
 import math
 import random

@@ -1,5 +1,5 @@
-"""Cut loci and medial axes: a box unfolded, closed forms in the plane, forms of the answer, and
-refusals."""
+"""Tests cut loci and medial axes. Compares them with unfoldings of a box and with closed forms in
+the plane. Also tests the forms of the answer, and refusals."""
 import csv
 import io
 import json

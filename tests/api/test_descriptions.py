@@ -1,5 +1,5 @@
-"""The short text that a client gives a surface: set at the upload, changed by PATCH, kept by the
-store."""
+"""Tests the short text that describes a surface. The client sets it at the upload and changes it by
+PATCH; the store keeps it."""
 import json
 import shutil
 import signal

@@ -1,4 +1,5 @@
-"""The documents: their commands run, their links resolve, and their tables match the daemon."""
+"""Tests the documents: their commands run, their links resolve, and their tables match the
+daemon."""
 import html.parser
 import importlib.util
 import os

@@ -145,7 +145,7 @@ class Recorded(Asking):
 
 
 class Lanes(Asking):
-    """Points in general position, without landmarks and with them."""
+    """Tests points in general position, without landmarks and with landmarks."""
 
     flags = ("--landmarks", "4")
     PAIRS = 3

@@ -1,5 +1,5 @@
-"""Fields of the same seeds with different radii: the cache keeps the field of the largest radius.
-Answers from this field equal answers from a field of the requested radius."""
+"""Tests fields of the same seeds with different radii. The cache keeps the field of the largest
+radius. Answers from this field equal answers from a field of the requested radius."""
 import concurrent.futures
 import random
 import unittest

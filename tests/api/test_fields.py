@@ -1,5 +1,5 @@
-"""Fields as resources: their life cycle, their values at vertices, points and edges, and their
-eviction when memory is short."""
+"""Tests fields as resources: their life cycle, their values at vertices, points and edges, and
+their eviction when memory is short."""
 import concurrent.futures
 import math
 import random

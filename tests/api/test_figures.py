@@ -1,5 +1,6 @@
-"""Figures of meshes by POST …/picture: positions of lines and points against projections of
-figure_case, colours of pixels, labels, refusals with the place of the layer, jobs, limits."""
+"""Tests figures of meshes by POST …/picture. Compares positions of lines and points with
+projections by figure_case. Also tests colours of pixels, labels, jobs, limits, and refusals that
+name the layer."""
 import json
 import math
 import re

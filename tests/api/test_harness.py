@@ -1,4 +1,4 @@
-"""The harness itself."""
+"""Tests the harness itself."""
 import time
 
 from harness import TestCase

@@ -1,5 +1,5 @@
-"""The JavaScript client under Node.js: the scenario and the client's own features. Skipped without
-node 18 or later."""
+"""Tests the JavaScript client under Node.js: the scenario and the client's own features. Skipped
+without node 18 or later."""
 import json
 import pathlib
 import shutil

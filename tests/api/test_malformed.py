@@ -1,5 +1,5 @@
-"""Malformed input gets a 4xx with a code and a sentence, and the daemon continues. One table for
-each kind of input, one case a row."""
+"""Malformed input gets a 4xx with a code and a sentence, and the daemon continues. There is one
+table for each kind of input. Each row of a table is one case."""
 import json
 import struct
 import unittest

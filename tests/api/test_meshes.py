@@ -1,4 +1,4 @@
-"""The resource /v1/meshes: create, replace, list, describe, download, remove."""
+"""Tests the resource /v1/meshes: create, replace, list, describe, download, remove."""
 import gzip
 import hashlib
 import json

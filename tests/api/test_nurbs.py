@@ -1,4 +1,4 @@
-"""NURBS and other parametric surfaces: the resource, evaluation, durability and access."""
+"""Tests NURBS and other parametric surfaces: the resource, evaluation, durability and access."""
 import json
 import math
 import random

@@ -1,4 +1,5 @@
-"""Distances from a point to a curve, and between curves, on NURBS and other parametric surfaces."""
+"""Tests distances from a point to a curve, and distances between curves, on NURBS and other
+parametric surfaces."""
 import functools
 import math
 import unittest

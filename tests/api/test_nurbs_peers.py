@@ -1,9 +1,7 @@
-"""Evaluation against verb-nurbs, three and rhino3dm. Each evaluates its own surface and returns it
-as a file.
-
-The programs are npm packages for this test only, which `make nurbs-peers` installs below the build
-directory. Without these packages or without node, the test is skipped.
-"""
+"""Compares evaluation with verb-nurbs, three and rhino3dm. Each of these programs evaluates its own
+surface and returns this surface as a file. The programs are npm packages for this test only, which
+`make nurbs-peers` installs below the build directory. Without these packages or without node, the
+test is skipped."""
 import json
 import math
 import pathlib

@@ -1,4 +1,4 @@
-"""Tessellations: meshes of parametric surfaces with (u, v) of each vertex."""
+"""Tests tessellations, which are meshes of parametric surfaces with (u, v) of each vertex."""
 import array
 import math
 import unittest

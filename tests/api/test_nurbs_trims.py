@@ -1,5 +1,5 @@
-"""Trimmed surfaces: loops of the file, the domain that they bound, paths in this domain, and
-durability."""
+"""Tests trimmed surfaces: loops of the file, the domain that these loops bound, paths in this
+domain, and durability."""
 import json
 import math
 import unittest

@@ -1,5 +1,5 @@
-"""Pictures, read back by a decoder in this file: positions of paths and colours of distances,
-refusals, caching, jobs, limits."""
+"""Tests pictures by a decoder in this file: positions of paths and colours of distances. Also tests
+refusals, caching, jobs and limits."""
 import base64
 import json
 import random

@@ -1,5 +1,5 @@
-"""The Python client with numpy's arrays, for asyncio, in notebooks, its types, and its wheel. Each
-part is skipped where its module is missing."""
+"""Tests the Python client: with numpy's arrays, for asyncio, in notebooks, its types, and its
+wheel. A part is skipped if its module is missing."""
 import pathlib
 import re
 import shutil

@@ -1,4 +1,4 @@
-"""The Python client: the scenario, the client's own features, and its behaviour with a busy
+"""Tests the Python client: the scenario, the client's own features, and its behaviour with a busy
 daemon."""
 import os
 import sys

@@ -1,4 +1,5 @@
-"""Files that repair=split reads: the lines that it skips, and the faces that it cuts."""
+"""Tests files that need repair=split: the lines that the reader skips, and the faces that it
+cuts."""
 import struct
 import zlib
 

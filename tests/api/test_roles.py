@@ -1,5 +1,5 @@
-"""Rights of keys: each operation of the contract, by each role, on data of another key of the
-tenant, on data of another tenant, and on the key's own data."""
+"""Tests the rights of keys. Each role tries each operation of the contract: on data of another key
+of the tenant, on data of another tenant, and on data of its own key."""
 import json
 import unittest
 

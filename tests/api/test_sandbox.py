@@ -1,5 +1,5 @@
-"""The daemon in its sandbox, observed from outside. tests/unit/server/access/test_sandbox.c tests
-which actions fail inside."""
+"""Tests the daemon in its sandbox, observed from outside. tests/unit/server/access/test_sandbox.c
+tests which actions fail inside the sandbox."""
 import pathlib
 import platform
 import socket

@@ -1,5 +1,5 @@
-"""The daemon as a whole: start, CPU kernels, health, pages, headers, access by Host and Origin,
-manual page."""
+"""Tests the daemon as a whole: start, CPU kernels, health, pages, headers, access by Host and
+Origin, manual page."""
 import email.utils
 import gzip
 import json

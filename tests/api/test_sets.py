@@ -1,4 +1,5 @@
-"""Distances to sets: the laws of a distance function, members with offsets and labels, refusals."""
+"""Tests distances to sets: the laws of a distance function, members with offsets and labels,
+refusals."""
 import concurrent.futures
 import math
 import random

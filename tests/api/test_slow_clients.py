@@ -1,5 +1,5 @@
-"""Clients that are deliberately slow, or many: deadlines and limits end their connections, while
-others are served."""
+"""Tests clients that are deliberately slow, and large numbers of clients. Deadlines and limits end
+their connections, while other clients are served."""
 import concurrent.futures
 import socket
 import time

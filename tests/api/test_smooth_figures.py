@@ -1,5 +1,5 @@
-"""Figures of subdivision and NURBS surfaces by POST …/picture: positions against answers of
-`evaluate`, fields against distances on the mesh that is drawn, refusals."""
+"""Tests figures of subdivision and NURBS surfaces by POST …/picture. Compares positions with
+answers of `evaluate`, and fields with distances on the mesh that is drawn. Also tests refusals."""
 import json
 import math
 import unittest

@@ -1,5 +1,5 @@
-"""Guarantees of a durable store: conditions, restarts, memory, a warm cache, the operator's
-tools."""
+"""Tests the guarantees of a durable store: conditions, restarts, memory, a warm cache, the
+operator's tools."""
 import concurrent.futures
 import json
 import os

@@ -1,4 +1,4 @@
-"""Data folders that are damaged, shared with other programs, or from an earlier version."""
+"""Tests data folders that are damaged, shared with other programs, or from an earlier version."""
 import concurrent.futures
 import contextlib
 import hashlib

@@ -1,5 +1,5 @@
-"""Geodesics of subdivision surfaces: traces and shortest paths, on the mesh and on the surface:
-closed forms, laws, refusals."""
+"""Tests traces and shortest paths of subdivision surfaces, on the mesh and on the surface, by
+closed forms and by laws. Also tests refusals."""
 import json
 import math
 import unittest

@@ -1,5 +1,5 @@
-"""Subdivision surfaces: the resource, evaluation, discretizations: closed forms, laws, refusals,
-memory."""
+"""Tests subdivision surfaces: the resource, evaluation and discretizations, by closed forms and by
+laws. Also tests refusals and memory."""
 import json
 import math
 import struct

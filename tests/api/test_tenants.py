@@ -1,5 +1,5 @@
-"""Each tenant has its own names: a tenant can't distinguish another tenant's names from unused
-ones."""
+"""Tests that each tenant has its own names. A tenant can't distinguish another tenant's names from
+unused names."""
 import json
 import pathlib
 import re

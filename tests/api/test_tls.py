@@ -1,5 +1,5 @@
-"""HTTPS: versions, certificates that are replaced while the daemon runs, and the same rules as
-without TLS."""
+"""Tests HTTPS: its versions, certificates that are replaced while the daemon runs, and the rules
+that also hold without TLS."""
 import http.client
 import json
 import os
