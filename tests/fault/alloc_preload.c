@@ -39,7 +39,7 @@ __attribute__((constructor)) static void open_control(void)
     if (pages != MAP_FAILED) control = pages;
 }
 
-/* Adds the call path to those that have failed. Returns whether the call fails. */
+/* Adds the call path to the call paths that have failed. Returns whether the call fails. */
 static bool is_chosen(uint64_t stack, const void *site)
 {
     if (!stacks_add(&control->stacks, stack)) return false;

@@ -36,7 +36,7 @@ struct allocator_live allocator_live(void)
     return (struct allocator_live){blocks, mapped};
 }
 
-/* Adds the call path to those that have failed. Returns whether the call fails. */
+/* Adds the call path to the call paths that have failed. Returns whether the call fails. */
 static bool is_chosen(uint64_t stack, const void *site)
 {
     if (!stacks_add(&book->stacks, stack)) return false;

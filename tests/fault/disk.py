@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A disk that fails (inject.c):
+"""Tests a disk that fails (inject.c):
 
 - After a failed fsync, at any call, the store accepts no changes and continues to answer.
 - On a full disk, at any write, uploads are refused, reads and deletes work, and the store recovers

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Power cuts. record.c records one scenario's changes to the data folder, through several lives of
-the daemon, some of which end by a kill. For each prefix of the changes, the test rebuilds the
-folder in a state that a power cut at that moment may leave. Then --check-store must find no fault,
-the daemon must start, and every change that was acknowledged before must be there.
+"""Tests power cuts. record.c records one scenario's changes to the data folder, through several
+lives of the daemon, some of which end by a kill. For each prefix of the changes, the test rebuilds
+the folder in a state that a power cut at that moment may leave. Then --check-store must find no
+fault, the daemon must start, and must have every change that it had acknowledged before.
 
 A cut may lose changes that were not synced: contents written since the file's last fsync, and names
 changed since their folder's last fsync. Each cut is tried in three modes, which differ in the

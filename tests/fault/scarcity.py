@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Failures of the system other than memory and disk:
+"""Tests failures of the system other than memory and disk:
 - No descriptors are left (RLIMIT_NOFILE).
 - Clients have disconnected when their sockets are read, written (ECONNRESET) or accepted
   (ECONNABORTED).
