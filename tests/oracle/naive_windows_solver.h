@@ -308,7 +308,7 @@ static void NAME(improve)(struct NAME(solver) * solver, uint32_t vertex, REAL di
 }
 
 /* Emits windows from a source in a face, or on its border, through the sides that do not contain
- * it. */
+ * the source. */
 static void NAME(emit_into_face)(struct NAME(solver) * solver, uint32_t face, const REAL weight[3],
                                  REAL sigma, uint32_t origin)
 {
