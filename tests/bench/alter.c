@@ -20,9 +20,9 @@ static struct gd_vec3 position(const struct gd_polygons *mesh, uint32_t slot)
     return (struct gd_vec3){p[0], p[1], p[2]};
 }
 
-/* Adds up, for every vertex, the normals of its faces. The length of a face's normal is twice the
- * face's area. The caller sets all vertex normals to zero before. Returns the mean edge length of
- * the faces. */
+/* For every vertex, adds up the normals of its faces. The length of a face's normal is twice the
+ * face's area. The caller must set all vertex normals to zero beforehand. Returns the mean edge
+ * length of the faces. */
 static double add_normals(const struct gd_polygons *mesh, struct gd_vec3 *normals)
 {
     double length = 0;

@@ -134,7 +134,7 @@ def record(kind, before):
 
 
 def print_table(headers, rows):
-    """Prints aligned columns: the first to the left, the others to the right."""
+    """Prints columns. Aligns the first column to the left, and the others to the right."""
     PRINTED.append((headers, rows))
     widths = [max(len(row[i]) for row in [headers, *rows]) for i in range(len(headers))]
     for row in [headers, *rows]:

@@ -1,4 +1,4 @@
-/* gd_bench field: time and memory of fields. */
+/* gd_bench field: measures the time and the memory of fields. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

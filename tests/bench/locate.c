@@ -1,5 +1,5 @@
-/* gd_bench locate: nearest surface points of points on and around the surface, and first hits of
- * rays. */
+/* gd_bench locate: measures how fast the engine finds nearest surface points, for points on and
+ * around the surface, and first hits of rays. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-/* gd_bench pair: time of the distance of two points without cached data. */
+/* gd_bench pair: measures the time of the distance between two points, without cached data. */
 #include <stdio.h>
 #include <stdlib.h>
 
