@@ -8,8 +8,8 @@
 #include "tests/samples/transform.h"
 #include "tests/samples/triangulation.h"
 
-/* The ground is a rectangle with integer coordinates. `scale` maps them exactly to [0,1] x
- * [0,0.75]. */
+/* The ground is a rectangle with integer coordinates. `scale` maps these coordinates exactly to
+ * [0,1] x [0,0.75]. */
 static const int64_t width = 1 << 20, height = 3 << 18;
 static const double scale = 0x1p-20;
 

@@ -101,7 +101,7 @@ GD_MUST_USE enum gd_status sample_tangle(uint32_t faces, uint64_t seed, struct g
 
 /* Models like those of the tables in Y.-J. Liu's paper (named below), section 5.2, remeshed in the
  * cube [-1,1]^3: an eight (genus 2), a ball, a pot with a handle (genus 1), and a scan with lumps
- * and folds. They can also return GD_INVALID_ARGUMENT, see sample_remesh. */
+ * and folds. These functions can also return GD_INVALID_ARGUMENT, see sample_remesh. */
 GD_MUST_USE enum gd_status sample_eight(const struct remeshing *remeshing, uint64_t seed,
                                         struct gd_polygons *out);
 GD_MUST_USE enum gd_status sample_ball(const struct remeshing *remeshing, uint64_t seed,
