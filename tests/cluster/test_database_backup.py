@@ -1,4 +1,4 @@
-"""Backup and restore of a PostgreSQL store by the commands of the operating guide."""
+"""Tests backup and restore of a PostgreSQL store by the commands of the operating guide."""
 import pathlib
 import re
 import subprocess

@@ -168,8 +168,8 @@ class Nodes(Shared):
 
 class Acknowledged:
     """Clients that upload and delete their own meshes, one after the other, and record the
-    acknowledged states. A change that got a 503 may have happened or not. The client repeats it, as
-    the answer says."""
+    acknowledged states. A change that got a 503 may have happened or not. The client then repeats
+    this change, as the answer demands."""
 
     def __init__(self, nodes, clients=4):
         self.nodes, self.over = nodes, threading.Event()

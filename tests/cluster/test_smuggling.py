@@ -1,8 +1,6 @@
-"""Ambiguous requests through the shipped HAProxy configuration: the proxy and the daemon see the
-same sequence of requests.
-
-If the daemon saw one request more or less than the proxy, a client would get another client's
-answer. Skipped without haproxy."""
+"""Sends ambiguous requests through the shipped HAProxy configuration. The proxy and the daemon must
+see the same sequence of requests. If the daemon saw one request more or less than the proxy, a
+client would get another client's answer. Skipped without haproxy."""
 import contextlib
 import pathlib
 import re

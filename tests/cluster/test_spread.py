@@ -1,4 +1,4 @@
-"""Batches over several daemons, while daemons and the database fail and recover."""
+"""Tests batches on several daemons, while daemons and the database fail and recover."""
 import time
 
 from harness import sample
