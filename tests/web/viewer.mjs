@@ -117,9 +117,9 @@ async function circle(page, { x, y }, milliseconds, isDone = () => true) {
 /**
  * Drags the point of this name in circles for a while, and checks the number of answers a second.
  * If other programs use the machine, the processor time decides instead: the machine's processors
- * must suffice for that rate. Under `make test`, other tests run at the same time, and a fraction of
- * the rate suffices. The drag begins `lead` milliseconds before the measurement. `check` runs before
- * the drag ends.
+ * must suffice for that rate. Under `make test`, other tests run at the same time, and a fraction
+ * of the rate suffices. The drag begins `lead` milliseconds before the measurement. `check` runs
+ * before the drag ends.
  */
 export async function assertRate(browser, page, { name, pattern, least, lead = 0, check = () => {} }) {
   const handle = await page.getByRole("button", { name, exact: true }).boundingBox();
