@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs fuzz targets from their corpora for some time each, two at a time.
+"""Runs two fuzz targets at a time, each for some time, starting from their corpora.
 
 usage: tests/fuzz/run.py --seconds N [--seed N] PROGRAM...
 
