@@ -316,7 +316,7 @@ static void random_curves_on_tangles(void **state)
 }
 
 /* In a face flatter than 1e-5, most points are too close to the border for a curve to pass through
- * them. Some of these curves are refused. */
+ * them. The engine refuses some of the random curves. */
 static void random_curves_on_slivers(void **state)
 {
     (void)state;

@@ -1,6 +1,7 @@
 #include "cutting.h"
 
-/* Returns a square curve on the grid with x and y in [0.15, 0.65], which leaves two pieces. */
+/* Returns a square curve on the grid with x and y in [0.15, 0.65]. A cut along this curve leaves
+ * two pieces. */
 static struct gd_curve square_in_a_grid(const struct gd_mesh *mesh)
 {
     const struct gd_point points[] = {point_at(mesh, 0.15, 0.15, 0), point_at(mesh, 0.65, 0.15, 0),

@@ -3,8 +3,8 @@
 
 #include "tests/support/test.h"
 
-/* Starts a triangulation of the right triangle (0,0), (1,0), (0,1). Its planar coordinates are its
- * lattice coordinates. */
+/* Starts a triangulation of the right triangle (0,0), (1,0), (0,1). In this triangle, planar
+ * coordinates equal lattice coordinates. */
 static void begin(struct gd__planar *planar, struct gd__budget *budget,
                   const struct gd__site *sites, uint32_t count)
 {

@@ -55,8 +55,8 @@ static inline struct gd_point halfway(const struct gd_mesh *mesh, uint32_t face,
     return test_point(mesh, (struct test_place){face, {1 - v - w, v, w}});
 }
 
-/* Checks the line's length, and that arcs begin and end in its points. Returns the largest misfit
- * of its points and of points on its arcs. */
+/* Checks the line's length, and that arcs begin and end in points of the line. Returns the largest
+ * misfit of the line's points and of points on its arcs. */
 static inline double check_line(const struct gd_field *field, const struct gd_isoline_line *line,
                                 double level)
 {

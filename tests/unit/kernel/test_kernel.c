@@ -576,9 +576,9 @@ static double told_at(const struct two_edges *edges, double t, double own)
                             (struct gd__place){(float)p.x, (float)p.y, (float)p.z}, (float)own);
 }
 
-/* The linear interpolation of the bounds at an edge's ends is a lower bound of the distance from
- * its points to points of another edge. The test uses near and far edges, with equal lengths and
- * with ratios up to 1000. */
+/* At each point of an edge, the linear interpolation between the bounds at the edge's ends is a
+ * lower bound of the distance to the points of another edge. The test uses near and far edges, with
+ * equal lengths and with ratios up to 1000. */
 static void ring_bounds_are_below_distances(void **state)
 {
     (void)state;

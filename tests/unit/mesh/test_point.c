@@ -169,7 +169,8 @@ static void expect_lowest_face(const struct gd_mesh *mesh, const struct gd_point
     }
 }
 
-/* A point's description gives the same point again, and its numbers give the same position. */
+/* A point's description gives the same point again, and the numbers of the description give the
+ * same position. */
 static void a_description_gives_the_point_again(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Tests angles between directions. They are Euclidean in a plane, and at most half the total angle
- * around an apex. */
+/* Tests angles between directions. In a plane, they are Euclidean. Around an apex, they are at most
+ * half of the total angle. */
 #include "tests/support/test.h"
 
 #include <math.h>

@@ -7,7 +7,7 @@
 
 DECODER(decode_whole, struct proto_field_request, proto_field_request_decode)
 
-/* Decodes a request and releases its set, so that the tests need not. */
+/* Decodes a request and releases its set, so that the tests need not release it. */
 static bool decode(const char *text, struct proto_field_request *out, struct proto_problem *problem)
 {
     bool decoded = decode_whole(text, out, problem);

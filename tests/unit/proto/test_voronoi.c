@@ -2,7 +2,7 @@
 
 DECODER(decode_whole, struct proto_voronoi_request, proto_voronoi_request_decode)
 
-/* Decodes a request and releases its set, so that the tests need not. */
+/* Decodes a request and releases its set, so that the tests need not release it. */
 static bool decode(const char *text, struct proto_voronoi_request *out,
                    struct proto_problem *problem)
 {

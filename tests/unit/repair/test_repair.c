@@ -6,7 +6,7 @@
 #include "tests/support/shared.h"
 #include "tests/support/test.h"
 
-/* Checks that a field can be built, and its distances within the first face. */
+/* Builds a field, and checks its distances within the first face. */
 static void check_field(const struct gd_mesh *mesh)
 {
     struct gd_vertex corners[3];

@@ -129,8 +129,8 @@ static void unreferenced_vertices(void **state)
     gd_subdivision_release(among);
 }
 
-/* The edges of the control mesh are returned once each, also if its polygons are refined to get the
- * base faces. */
+/* Each edge of the control mesh is returned once, even if polygons of the control mesh are refined
+ * to get the base faces. */
 static void control_edges(void **state)
 {
     (void)state;

@@ -228,8 +228,8 @@ static void clairaut_on_a_torus(void **state)
 
 /* --- any surface ------------------------------------------------------------------------------ */
 
-/* Checks that a line traced back from its end returns to its start, and that its length is the sum
- * of its segments. */
+/* Checks that a line traced back from its end returns to its start, and that the length of the line
+ * is the sum of the lengths of its segments. */
 static void check_return(const struct gd_mesh *mesh, struct gd_point start,
                          struct gd_direction ahead, double length)
 {

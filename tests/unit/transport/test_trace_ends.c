@@ -162,7 +162,8 @@ static void limits(void **state)
 }
 
 /* The edges of an octahedron continue each other straight, so a line along an edge passes only
- * vertices. A line that the step limit ends at a vertex can be continued in its direction. */
+ * vertices. If the step limit ends a line at a vertex, the line can be continued in its
+ * direction. */
 static void the_limit_at_a_vertex(void **state)
 {
     (void)state;

@@ -26,8 +26,8 @@ static uint32_t side_towards(const struct gd_mesh *mesh, uint32_t a, uint32_t b,
     return side;
 }
 
-/* Returns the window of source v0 on edge a-b, opposite to v0 in its face, in the frame of the side
- * whose face has the apex c. */
+/* Returns the window of source v0 on edge a-b, which is opposite to v0 in a face. The window is in
+ * the frame of the side whose face has the apex c. */
 static struct gd__window from_v0(const struct gd_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
 {
     uint32_t side = side_towards(mesh, a, b, c);
@@ -142,8 +142,8 @@ static void place_on_child(const struct gd_side *s, int k, double t, double at[2
     at[1] = k ? s->left_length * s->left_y + t * s->right_y : t * s->left_y;
 }
 
-/* The distances through a child are the lengths of the parent's rays, which cross the parent's
- * interval. */
+/* A child is a window that was cast from its parent. The distances through a child are the lengths
+ * of the parent's rays. These rays cross the parent's interval. */
 static void children_continue_the_rays(void **state)
 {
     (void)state;

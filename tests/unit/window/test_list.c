@@ -79,8 +79,8 @@ static void pushing_gives_the_envelope(void **state)
 
 /* --- untangling ------------------------------------------------------------------------------- */
 
-/* Returns windows nearly in order, like children. Some begin slightly before the previous window
- * ends, and a few begin far before. */
+/* Returns windows that are nearly in order, as after a cast. Some windows begin slightly before the
+ * end of the previous window, and a few begin far before this end. */
 static struct gd__window nearly_next(struct rng *rng, uint32_t i, uint32_t count)
 {
     struct gd__window w = random_window(rng, i);

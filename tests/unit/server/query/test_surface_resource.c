@@ -1,5 +1,5 @@
-/* Tests derived meshes. A handler of the test makes up to three meshes, each with its vertices'
- * numbers as an attachment. */
+/* Tests derived meshes. A handler of the test makes up to three meshes. Each mesh has the numbers
+ * of its vertices as an attachment. */
 #include "tests/unit/server/daemon.h"
 #include "tests/unit/server/folder.h"
 
@@ -88,8 +88,8 @@ static void handle_make(struct server_exchange *exchange)
     server_exchange_defer(exchange, compute, NULL);
 }
 
-/* Loads a mesh and replies with its attachment as an array of numbers, which is empty without an
- * attachment. */
+/* Loads a mesh and replies with its attachment as an array of numbers. If the mesh has no
+ * attachment, the array is empty. */
 static void handle_attachment(struct server_exchange *exchange)
 {
     struct server_surface *surface = server_request_surface(exchange);

@@ -30,7 +30,7 @@ static enum server_outcome remove_sphere(uint32_t level)
     return server_registry_remove(server.api.registry, &key, &(struct server_precondition){0});
 }
 
-/* Adds a surface to the registry, with its level as name. */
+/* Adds a sphere to the registry. Its level is its name. */
 static struct server_surface *put_sphere(uint32_t level)
 {
     char name[2] = {(char)('0' + level), '\0'};

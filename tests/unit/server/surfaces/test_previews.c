@@ -23,7 +23,7 @@ static struct gd_mesh *sphere(uint32_t level)
     return mesh;
 }
 
-/* Adds a surface to the registry, with its level as name. */
+/* Adds a sphere to the registry. Its level is its name. */
 static struct server_surface *put_sphere(uint32_t level)
 {
     char name[2] = {(char)('0' + level), '\0'};

@@ -125,7 +125,7 @@ static void starving_work_returns_to_normal(void **state)
     assert_int_equal(look(&priority, 6250, 6350, 20), 100);
 }
 
-/* A thread that did not run for a while detects it at its next update. */
+/* A thread that did not run for a while detects this pause at its next update. */
 static void a_long_pause_is_detected(void **state)
 {
     (void)state;
