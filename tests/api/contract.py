@@ -55,8 +55,8 @@ def thinned(value):
 
 
 def checked(node, optional):
-    """Returns a copy of a schema whose objects are closed, and do not require the members that
-    `optional` names."""
+    """Returns a copy of a schema. In the copy, objects allow no undocumented members, and do not
+    require the members that `optional` names."""
     if isinstance(node, list):
         return [checked(item, optional) for item in node]
     if not isinstance(node, dict):

@@ -344,8 +344,8 @@ def try_drain(found, folder):
 
 
 def try_waits(found, folder):
-    """Sends a request that waits for a job beyond its own deadline. On a busy machine the job may
-    end before the request arrives."""
+    """Sends a request that waits for a job. The deadline of the request ends before the job. On a
+    busy machine the job may end before the request arrives."""
     with Daemon("--data-dir", str(folder), "--workers", "1", "--timeout-ms", "1", *ASLEEP) as daemon:
         scene = Scene(daemon, found.contract).pretend()
         for _ in range(ROUNDS):

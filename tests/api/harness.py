@@ -199,7 +199,7 @@ class Daemon:
 
     def wait_for_flight(self, most=0):
         """Waits until requests hold at most that many bytes. A request returns its memory after the
-        last byte of the answer was sent, so a client may have the answer before."""
+        last byte of the answer was sent, so the client may have the answer earlier."""
         wait_until(lambda: self.metric('memory_bytes{class="flight"}') <= most)
 
     def ended(self, accepted):

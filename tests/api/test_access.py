@@ -251,8 +251,8 @@ class Reload(Keyed):
         self.assertEqual(self.daemon.reload()["event"], "reloaded")
 
     def test_reloads_under_load(self):
-        """While the file of keys is reloaded repeatedly, each request is answered by the rights of
-        its key."""
+        """While the file of keys is reloaded repeatedly, the daemon answers each request according
+        to the rights of its key."""
         stop = time.monotonic() + 1
         def ask(_):
             connection, statuses = self.daemon.connect(), set()

@@ -1,5 +1,5 @@
 """Tests landmarks. Landmarks do not change answers. The daemon builds them in idle time and keeps
-them across restarts. It evicts landmarks if memory is short, and together with their mesh."""
+them across restarts. It evicts landmarks if memory is short, and drops them with their mesh."""
 import pathlib
 import random
 import re

@@ -65,7 +65,7 @@ end_header
         self.assertEqual(self.daemon.get("/v1/meshes/file").json["repair"], made["repair"])
 
     def test_zip64(self):
-        """A 3MF package with its sizes in extra fields, as streaming exporters write it."""
+        """A 3MF package has its sizes in extra fields, as streaming exporters write them."""
         core = b'xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"'
         mesh = b'<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/></vertices>' \
                b'<triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh>'
