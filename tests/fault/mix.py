@@ -133,7 +133,7 @@ class Mix:
         return self.ask("path", mesh, "path", **{"from": self.point(mesh), "to": self.point(mesh), "via": self.points(mesh, 1)})
 
     def often(self, mesh):
-        """Repeats the same source, so that the daemon answers from its field."""
+        """Repeats the same source, so that the daemon answers from the field of this source."""
         return self.get("often", f"meshes/{mesh}/path?from=v:7&to=f:{self.chance.randrange(self.faces[mesh])}:0.2,0.3,0.5&geometry=xyz",
                         **{"Accept-Encoding": "gzip"})
 
