@@ -242,8 +242,8 @@ static void curves(uint64_t number, struct exact_tally *tally)
 
 /* --- traces ----------------------------------------------------------------------------------- */
 
-/* Checks that a line has the requested length unless it meets the boundary. The distance of its end
- * from its start must be at most its length. */
+/* Checks that a line has the requested length unless it meets the boundary. The distance between
+ * the line's ends must be at most the line's length. */
 static void check_trace(struct exact_unit *unit, struct exact_truth *truth,
                         const struct gd_trace *trace, double length)
 {
