@@ -6,8 +6,9 @@
 #include <stdint.h>
 
 /* Returns the distance between two points of the surface of a box, in which coordinate k is in
- * [0,size[k]]. Each point has a coordinate that is exactly 0 or size[k]. It is the minimum over all
- * sequences of faces that the straight line between the unfolded points crosses. */
+ * [0,size[k]]. Each point has a coordinate that is exactly 0 or size[k]. The distance is the
+ * minimum over all sequences of faces that the straight line between the unfolded points
+ * crosses. */
 double closed_form_box(const double size[3], const double p[3], const double q[3]);
 
 /* A fan of congruent triangles around an apex on the z axis (sample_cone, sample_saddle). Spoke i

@@ -11,9 +11,9 @@
 extern "C" {
 #endif
 
-/* Number of levels of adaptive refinement, which is the maximum that OpenSubdiv allows. At a
- * distance from an extraordinary vertex of less than 2^-(level - 1) faces, OpenSubdiv approximates
- * the surface. Elsewhere it is exact. */
+/* Number of levels of adaptive refinement, which is the maximum that OpenSubdiv allows. Near an
+ * extraordinary vertex, at distances below 2^-(level - 1) of a face, OpenSubdiv approximates the
+ * surface. Elsewhere it is exact. */
 #define OPENSUBDIV_LEVEL 10
 
 bool opensubdiv_is_available(void);
