@@ -294,8 +294,8 @@ def finished(daemon, target):
 
 
 def send_random(daemon, request):
-    """Returns the seconds of a request, its processor seconds, its status, and an error's text.
-    A job's processor seconds are those until its end."""
+    """Returns the seconds of a request, its processor seconds, its status, and an error's text. For
+    a job, the processor seconds include all work until the job ends."""
     before, begin = usage_of(daemon.process)[0], time.monotonic()
     status, text = daemon.send(*request)
     seconds = time.monotonic() - begin

@@ -14,8 +14,8 @@ enum {
     MOST_POINTS = 64
 };
 
-/* Returns random points joined by shortest paths, until there are SEGMENTS segments; the rest is
- * cut off. */
+/* Joins random points by shortest paths until the curve has SEGMENTS segments. Cuts off further
+ * segments. Returns the curve. */
 static struct gd_curve random_curve(const struct gd_mesh *mesh, struct rng *rng)
 {
     struct gd_point points[MOST_POINTS];
