@@ -70,7 +70,7 @@ static bool is_solid(const struct sample_voxels *voxels, const uint32_t cell[3])
     return voxels->solid(voxels, cell);
 }
 
-/* Returns the vertex at a lattice point, which is added at its first use. */
+/* Returns the vertex at a lattice point. Adds the vertex at its first use. */
 static uint32_t lattice_vertex(struct sample_builder *builder, const struct sample_voxels *voxels,
                                uint32_t *vertices, const uint32_t at[3])
 {

@@ -58,8 +58,8 @@ static void throw_discs(struct disc *discs, uint32_t count, struct rng *rng)
     }
 }
 
-/* Adds a polygon in the disc, star-shaped about its centre. A convex polygon has its corners on the
- * circle. Returns the number of corners. */
+/* Adds a polygon in the disc. The polygon is star-shaped about the disc's centre. A convex polygon
+ * has its corners on the circle. Returns the number of corners. */
 static uint32_t cut_polygon(struct triangulation *plane, struct disc disc, bool convex,
                             struct rng *rng)
 {
