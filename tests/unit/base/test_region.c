@@ -52,7 +52,8 @@ static bool is_aligned(const void *p)
     return (uintptr_t)p % 64 == 0;
 }
 
-/* Fills [from, to) with the offset of each word, which check_filled compares. */
+/* Writes the offset of each word of [from, to) into this word. check_filled compares these
+ * offsets. */
 static void fill(char *base, size_t from, size_t to)
 {
     for (size_t at = from; at < to; at += sizeof at) memcpy(base + at, &at, sizeof at);

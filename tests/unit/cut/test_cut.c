@@ -201,7 +201,7 @@ static void a_corner_is_moved_to_a_vertex(void **state)
 
 /* --- random curves ---------------------------------------------------------------------------- */
 
-/* Returns a random point of the component, or of any component if it is GD_NONE. */
+/* Returns a random point of the component, or of any component if `component` is GD_NONE. */
 static struct gd_point random_point(const struct gd_mesh *mesh, uint32_t component, struct rng *rng)
 {
     for (;;) {

@@ -32,7 +32,7 @@ struct place {
     double x, y;
 };
 
-/* Returns the point of sector i whose two outer corners have the weights a and b. */
+/* Returns the point of sector i that has the weights a and b at the sector's two outer corners. */
 static struct place place_at(const struct gd_mesh *mesh, double (*corner)[2], uint32_t i, double a,
                              double b)
 {
@@ -76,7 +76,7 @@ static void round_a_vertex(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Measures from sector 0 to sector 1 across the middle of their common edge, far from any
+/* Measures distances from sector 0 to sector 1 across the middle of their common edge, far from any
  * vertex. */
 static void across_an_edge(void **state)
 {

@@ -182,7 +182,7 @@ static void farthest_from_a_boundary(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Between the two boundaries of a cylinder the ridge is a closed curve without vertices on it. */
+/* Between the two boundaries of a cylinder, the ridge is a closed curve without nodes. */
 static void farthest_on_a_cylinder(void **state)
 {
     (void)state;
@@ -370,8 +370,8 @@ static void farthest_on_a_pillow(void **state)
 
 /* --- any surface ------------------------------------------------------------------------------ */
 
-/* Checks that no random point is farther, including points close to the farthest point. Counts the
- * kind of the farthest point in `kinds`. */
+/* Checks that no random point is farther than the farthest point. Some of the random points are
+ * close to the farthest point. Counts the kind of the farthest point in `kinds`. */
 static void check_farthest(const struct gd_field *field, const struct gd_polygons *polygons,
                            struct rng *rng, uint32_t kinds[3])
 {

@@ -236,8 +236,8 @@ static void refuses_impossible_counts_and_sources(void **state)
     assert_int_equal(try_damaged(&rng), GD_OK);
 }
 
-/* A reached vertex needs a side or a source as its predecessor, from which paths are traced. A
- * vertex that was not reached must not be a source. */
+/* A reached vertex needs a side or a source as its predecessor. Paths are traced from this
+ * predecessor. A vertex that was not reached must not be a source. */
 static void refuses_impossible_predecessors(void **state)
 {
     (void)state;

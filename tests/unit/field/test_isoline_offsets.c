@@ -3,7 +3,7 @@
 
 #include "gd/curve.h"
 
-/* Returns the seeds of a curve, which the caller frees, and the curve's length. */
+/* Returns the seeds and the length of a curve. The caller frees the seeds. */
 static struct gd_seed *seeds_of(const struct gd_mesh *mesh, const struct gd_curve_request *request,
                                 uint32_t *count, double *length)
 {

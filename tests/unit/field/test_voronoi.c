@@ -98,7 +98,8 @@ static void three_points_in_the_plane(void **state)
     }
 }
 
-/* Four cells meet in the middle of a square, which lies in a face, on an edge or at a vertex. */
+/* Four cells meet in the middle of a square. The middle lies in a face, on an edge or at a
+ * vertex. */
 static void four_corners_meet_in_the_middle(void **state)
 {
     (void)state;

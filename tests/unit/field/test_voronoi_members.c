@@ -1,5 +1,5 @@
-/* Voronoi diagrams whose members are curves and boundaries, which consist of points and
- * segments. */
+/* Tests Voronoi diagrams whose members are curves and boundaries. These members consist of points
+ * and segments. */
 #include "tests/support/diagram.h"
 
 #include <math.h>

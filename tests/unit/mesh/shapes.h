@@ -16,7 +16,7 @@
 
 #define COUNT(array) ((uint32_t)(sizeof(array) / sizeof *(array)))
 
-/* Polygons over constant arrays, which are not freed. */
+/* Polygons that use constant arrays. These arrays are not freed. */
 #define TRIANGLES(p, c)                                                                            \
     ((struct gd_polygons){.positions = (p),                                                        \
                           .position_count = COUNT(p),                                              \

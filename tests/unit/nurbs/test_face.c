@@ -1,5 +1,5 @@
-/* The second experiment of W.-H. Chen's paper (face.h): the shortest path between two holes of a
- * face, compared with a solution of the geodesic equation. */
+/* Repeats the second experiment of W.-H. Chen's paper (face.h). Compares the shortest path between
+ * two holes of a face with a solution of the geodesic equation. */
 #include "tests/unit/nurbs/face.h"
 
 #include "gd/geodesic_like.h"

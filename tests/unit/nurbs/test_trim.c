@@ -358,8 +358,8 @@ static void faulty_loops_are_refused(void **state)
     gd_parametric_release(surface);
 }
 
-/* A square with a circular hole, whose outer loop consists of a line, a Bézier curve and a
- * polyline. */
+/* Creates a square with a circular hole. The outer loop of the square consists of a line, a Bézier
+ * curve and a polyline. */
 static struct scene open_plate(void)
 {
     static const double bottom[][2] = {{0, 0}, {4, 0}}, right[][2] = {{4, 0}, {4, 1}, {4, 4}},

@@ -295,7 +295,8 @@ static void passes_the_text_to_a_sink(void **state)
     proto_writer_free(&writer);
 }
 
-/* The text has exactly the maximum size or one byte more, or the sink refuses a block. */
+/* Tests texts that have exactly the maximum size or one byte more, and a sink that refuses a
+ * block. */
 static void a_sink_can_stop_the_writer(void **state)
 {
     (void)state;

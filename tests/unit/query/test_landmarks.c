@@ -55,8 +55,8 @@ static uint32_t check_bounds(const struct gd_mesh *mesh, const struct gd_landmar
 }
 
 /* Lower bounds do not exceed the distance, and upper bounds are not below it. Lower bounds by
- * landmarks are often better than the straight line's length. Landmarks are also tested as targets,
- * where bounds differ from the distance only by rounding to float. */
+ * landmarks are often better than the straight line's length. Some targets are landmarks. For these
+ * targets, bounds differ from the distance only by rounding to float. */
 static void check_all_bounds(uint64_t seed)
 {
     struct gd_mesh *mesh = terrain(seed);

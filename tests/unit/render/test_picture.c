@@ -132,8 +132,8 @@ static void colours_are_those_of_the_distance(void **state)
     close_flat(&flat);
 }
 
-/* Isolines are at multiples of 0.5. Only the pixels near these circles are darker than in a picture
- * without isolines. */
+/* The isolines are circles at multiples of 0.5. Only the pixels near these circles are darker than
+ * in a picture without isolines. */
 static void isolines_are_circles(void **state)
 {
     (void)state;

@@ -34,8 +34,8 @@ static const enum gd_limit_end ends[] = {[GD_TRACE_END_LENGTH] = GD_LIMIT_END_LE
                                          [GD_TRACE_END_BOUNDARY] = GD_LIMIT_END_BOUNDARY,
                                          [GD_TRACE_END_STEP_LIMIT] = GD_LIMIT_END_STEPS};
 
-/* Checks that a path has the points of a trace, up to rounding errors, which a line across many
- * faces amplifies. */
+/* Checks that a path has the points of a trace, up to rounding errors. A line across many faces
+ * amplifies these errors. */
 static void check_path(const struct scene *scene, const struct gd_limit_path *path,
                        const struct gd_trace *trace)
 {

@@ -52,7 +52,7 @@ static inline void check_envelope(const struct gd__stack *list, const struct gd_
 {
     check_sorted_and_disjoint(list);
     for (int k = 1; k < 200; k++) {
-        /* the parameter is not a multiple of 1/200, where windows may end */
+        /* not a multiple of 1/200, because windows may end at such multiples */
         double t = k / 200.0 + 1e-4;
         check_close(least_distance(list, t), least_distance(offered, t), 1e-12);
     }

@@ -95,7 +95,7 @@ static void windows_equal_at_both_ends_differ_between(void **state)
     struct gd__window near = {.b0 = 0, .b1 = 1e4, .x = 5e3, .y = 1e-4},
                       far = {.b0 = 0, .b1 = 1e4, .x = 5e3, .y = 3e-4};
     for (double sigma = 0; sigma < 1e-4; sigma += 4e-5) {
-        near.sigma = sigma * 1e-10; /* with unequal sigma the contest takes another branch */
+        near.sigma = sigma * 1e-10; /* unequal sigma tests other code of the contest */
         assert_true(gd__contest(&near, &far, 0, 1e4).challenger_first);
         assert_int_equal(gd__contest(&near, &far, 0, 1e4).switches, 0);
         assert_false(gd__contest(&far, &near, 0, 1e4).challenger_first);

@@ -191,7 +191,8 @@ static void prepends(void **state)
     check_list();
 }
 
-/* Ends that overlap by less than the least width are cut to meet, without a contest. */
+/* If the ends of two windows overlap by less than the least width, they are cut so that they meet,
+ * without a contest. */
 static void ends_that_touch_are_cut(void **state)
 {
     (void)state;

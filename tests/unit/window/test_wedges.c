@@ -204,8 +204,8 @@ static void linear_windows_come_back(void **state)
     }
 }
 
-/* Returns the largest relative difference between the distances of two windows on and beyond an
- * edge. */
+/* Returns the largest relative difference between the distances through two windows, at points on
+ * the edge and beyond the edge. */
 static double worst_difference(const struct gd__window *a, const struct gd__window *b,
                                double length)
 {

@@ -208,7 +208,7 @@ static void a_stream_has_no_deadline(void **state)
 
 /* --- clients that take an answer slowly ------------------------------------------------------- */
 
-/* A client and a connection by TCP, whose buffers are small. */
+/* A client and a TCP connection with small buffers. */
 struct tcp {
     struct server_connection *connection;
     int ours, client;

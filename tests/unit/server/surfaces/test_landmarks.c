@@ -211,7 +211,7 @@ static void short_memory_evicts_the_least_recently_used_first(void **state)
     server_surface_release(other);
 }
 
-/* Makes the thread build the landmarks of a large surface, which takes longer than a test. */
+/* Makes the thread build the landmarks of a large surface. This build takes longer than a test. */
 static struct server_surface *occupy_thread(void)
 {
     struct server_surface *large = put_sphere(6);
