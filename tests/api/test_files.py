@@ -337,8 +337,8 @@ class Splines(Files):
 
 
 class Lines(Files):
-    """Traces, vectors, Voronoi diagrams, and paths on smooth surfaces as files: the lines of the
-    answer as arrays."""
+    """Tests traces, vectors, Voronoi diagrams, and paths on smooth surfaces as files. A file has
+    the same lines as the answer as arrays."""
 
     CUBE = ("v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
             "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n").encode()

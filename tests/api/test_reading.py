@@ -52,7 +52,7 @@ end_header
         self.assertEqual((made["repair"]["lines_skipped"], made["repair"]["faces_cut"]), (0, 0))
 
     def test_faces_cut(self):
-        """A square whose hole is joined to its border by a bridge: two corners occur twice."""
+        """A bridge joins the hole of a square to its border, so two corners occur twice."""
         file = SQUARE_WITH_A_HOLE + b"f 1 2 3 4 1 5 6 7 8 5\n"
         problem = self.assert_problem(self.upload(file, ""), 422, "invalid_mesh")
         self.assertIn("repair=split", problem["detail"])
