@@ -75,8 +75,8 @@ static void test_grid(void **state)
     }
 }
 
-/* Moves a point exactly into the planes of the box, from which interpolation deviates by
- * rounding. */
+/* Moves a point exactly into the planes of the box. An interpolated point deviates from these
+ * planes by rounding. */
 static void snap_to_box(const double size[3], const double x[3], double out[3])
 {
     for (int k = 0; k < 3; k++) {

@@ -182,7 +182,7 @@ static void rounded_vertices(uint64_t number, struct exact_tally *tally)
 
 /* --- snapping --------------------------------------------------------------------------------- */
 
-/* Checks that the engine moves a point that is given by weights by at most 1e-14 edge lengths. */
+/* If a point is given by weights, the engine must move it by at most 1e-14 edge lengths. */
 static void check_weights(struct exact_scene *scene, struct exact_tally *tally)
 {
     struct rng *rng = &scene->rng;
