@@ -179,8 +179,8 @@ bool has_normal(const Far::TopologyLevel &level, int vertex, int regular)
     return true;
 }
 
-/* Returns whether OpenSubdiv uses the correct mask at the vertex. It applies the mask of smooth
- * vertices at ends of creases, and the mask of corners at vertices of two edges. */
+/* Returns whether OpenSubdiv uses the correct mask at the vertex. At ends of creases, OpenSubdiv
+ * uses the mask of smooth vertices. At vertices of two edges, it uses the mask of corners. */
 bool is_exact(const Far::TopologyLevel &level, int vertex)
 {
     int sharp = 0;
