@@ -1,8 +1,8 @@
-/* gd_bench limit: the main figures of S. Lai and F. Cheng, "Approximate geodesics on smooth
- * surfaces of arbitrary topology": a discretization with a million vertices, and 360 geodesics from
- * one point, each as long as the bounding box's diagonal. For comparison, computes the same bundle
- * by the two methods that the paper calls expensive: exact shortest paths, and the differential
- * equation alone. */
+/* gd_bench limit: measures the main figures of S. Lai and F. Cheng, "Approximate geodesics on
+ * smooth surfaces of arbitrary topology": a discretization with a million vertices, and 360
+ * geodesics from one point, each as long as the bounding box's diagonal. For comparison, computes
+ * the same bundle by the two methods that the paper calls expensive: exact shortest paths, and the
+ * differential equation alone. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

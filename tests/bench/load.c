@@ -1,5 +1,5 @@
-/* gd_bench load: measures loading a mesh from a file, which consists of reading, parsing, and
- * building (validation, sides, fans, the hierarchy of boxes). */
+/* gd_bench load: measures how long it takes to load a mesh from a file. Loading consists of
+ * reading, parsing, and building (validation, sides, fans, the hierarchy of boxes). */
 #include <stdio.h>
 #include <stdlib.h>
 
