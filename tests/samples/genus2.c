@@ -29,7 +29,8 @@ static void smooth(struct gd_polygons *mesh, double (*sum)[4])
             mesh->positions[v][k] = 0.5 * (mesh->positions[v][k] + sum[v][k] / sum[v][3]);
 }
 
-/* Displaces the surface by waves of amplitude `bump` in space, which do not tear it. */
+/* Displaces the surface by waves of amplitude `bump` in space. The waves do not tear the
+ * surface. */
 static void wave(struct gd_polygons *mesh, double bump)
 {
     for (uint32_t v = 0; v < mesh->position_count; v++) {

@@ -53,8 +53,8 @@ double surface_length(const struct surface *surface, uint32_t slot);
 /* Returns the number of edges at the vertex. */
 uint32_t surface_valence(const struct surface *surface, uint32_t vertex);
 
-/* Takes ownership of the arrays of a closed 2-manifold triangle mesh, which is left empty.
- * On GD_NO_MEMORY the mesh is unchanged. */
+/* Takes ownership of the arrays of a closed 2-manifold triangle mesh, and leaves the mesh empty. On
+ * GD_NO_MEMORY the mesh is unchanged. */
 GD_MUST_USE enum gd_status surface_start(struct gd_polygons *mesh, struct surface *out);
 
 /* Moves the mesh to *out without removed elements. The caller frees it by gd_polygons_free. */
