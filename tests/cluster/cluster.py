@@ -54,8 +54,8 @@ def free_port():
 
 
 def unprivileged():
-    """Returns the user for PostgreSQL, which refuses to run as root, or None for the current
-    user."""
+    """Returns the user for PostgreSQL, or None for the current user. PostgreSQL refuses to run as
+    root."""
     if os.geteuid() != 0:
         return None
     for name in ("postgres", "nobody"):

@@ -1,5 +1,5 @@
-"""Runs the suites of stores and queues over PostgreSQL, which tests/unit runs over the local
-implementations."""
+"""Runs the suites of stores and queues over PostgreSQL. tests/unit runs the same suites over the
+local implementations."""
 import os
 import re
 import subprocess
