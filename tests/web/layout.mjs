@@ -143,7 +143,8 @@ async function seam(browser) {
 }
 
 /**
- * The page draws a trimmed surface and shows an answer. No mesh of this surface stays on the daemon.
+ * The page draws a trimmed surface and shows an answer. No mesh of this surface stays on the
+ * daemon.
  */
 async function trims(browser) {
   const { url } = browser.settings;
