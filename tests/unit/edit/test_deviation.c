@@ -8,8 +8,8 @@ static double deviation(const struct gd_mesh *mesh, const struct gd_polygons *ed
     return distance;
 }
 
-/* Compares with closed forms for a shifted plane, and for a spike that only one of the meshes
- * has. */
+/* Compares distances with closed forms for a shifted plane, and for a spike that only one of the
+ * meshes has. */
 static void known_distances(void **state)
 {
     (void)state;

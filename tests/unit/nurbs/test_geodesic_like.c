@@ -370,8 +370,9 @@ static void exchanging_the_ends_changes_nothing(void **state)
     close_scene(&scene);
 }
 
-/* The curves of W.-H. Chen's paper (face.h): quadratic and cubic splines of n control points. Their
- * errors fall about as h^4 and h^6 with the spacing h of the control points. */
+/* Tests the curves of W.-H. Chen's paper (face.h), which are quadratic and cubic splines of n
+ * control points. Their errors fall about as h^4 and h^6, where h is the spacing of the control
+ * points. */
 static void the_papers_curves_converge(void **state)
 {
     (void)state;

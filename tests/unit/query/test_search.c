@@ -255,8 +255,8 @@ static void large_fans_are_visited_a_few_times(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Two points close to a vertex have their Euclidean distance. The path through the vertex is hardly
- * longer but not the shortest. */
+/* The distance of two points close to a vertex is their Euclidean distance. The path through the
+ * vertex is hardly longer but not the shortest. */
 static void points_close_to_a_vertex(void **state)
 {
     (void)state;

@@ -215,8 +215,8 @@ static void fills_a_gap(void **state)
     check_list();
 }
 
-/* The newer windows overlap the list on both sides. In the middle they give shorter distances, give
- * longer distances (by sigma) or have a gap. */
+/* The newer windows overlap the list on both sides. In the middle, they give shorter distances, or
+ * give longer distances (by sigma), or have a gap. */
 static void overlaps_in_the_middle(void **state)
 {
     (void)state;

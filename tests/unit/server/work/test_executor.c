@@ -254,8 +254,8 @@ static void one_thread_needs_no_executor(void **state)
     server_workers_destroy(two);
 }
 
-/* A job that arrives while helpers hold both workers soon runs, and a helper takes its worker again
- * afterwards. */
+/* If a job arrives while helpers hold both workers, the job soon runs. Afterwards a helper runs on
+ * this worker again. */
 static void helpers_leave_for_a_job_and_come_back(void **state)
 {
     (void)state;

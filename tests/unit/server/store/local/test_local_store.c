@@ -81,7 +81,7 @@ static enum server_outcome drop(struct fixture *fixture, const char *name, const
     return drop_of(fixture, mesh_key(name), bytes, NULL);
 }
 
-/* Fetches the object of that tenant that has these bytes. */
+/* Fetches the object of the tenant with these bytes. */
 static enum server_outcome fetch_of(struct fixture *fixture, const char *tenant,
                                     enum server_part part, const char *bytes)
 {
