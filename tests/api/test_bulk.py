@@ -149,8 +149,8 @@ class Bulk(TestCase):
         self.assertEqual(self.daemon.request("POST", "/v1/meshes/ball/pairs", whole, {"Content-Type": "text/plain"}).status, 415)
 
     def test_many_pairs_in_pieces(self):
-        """All workers compute the answers to many pairs in pieces. Answers may be compressed, and
-        keep the daemon's limits."""
+        """All workers compute the answers to many pairs in pieces. Answers may be compressed. The
+        limits of the daemon still hold."""
         count, chance = 100000, random.Random(3)
         self.daemon.ask("ball", "fields", {"set": {"points": [{"vertex": 0}]}})
         to = [chance.randrange(2562) for _ in range(count)]

@@ -86,7 +86,8 @@ class Box:
             self.unfold([*sides, other], move(image), [tuple(map(move, each)) for each in [*edges, (a, b)]])
 
     def ways(self, k, point):
-        """Returns (length, image) of each straight path to a point of side k, by length."""
+        """Returns (length, image) of each straight path to a point of side k, the shortest path
+        first."""
         x, found = self.flat(k, point), []
         for image, edges in self.images[k]:
             is_inside = True

@@ -258,7 +258,7 @@ class Motion:
 
 
 class Splines(Files):
-    """Splines as files; with frames, a GLB has an object that moves along the curve."""
+    """Tests splines as files. With frames, a GLB has an object that moves along the curve."""
 
     QUESTION = "/v1/meshes/torus/spline"
     BODY = {"points": [{"vertex": 0}, {"vertex": 17}, {"vertex": 40}, {"vertex": 63}], "samples": 8}
@@ -362,7 +362,7 @@ class Lines(Files):
         return self.daemon.request("POST", f"/v1/{kind}/{name}/{query}?format={form}", json.dumps(body).encode(), {"Content-Type": "application/json"})
 
     def lines(self, *question):
-        """Returns the points of each line by the answer as arrays."""
+        """Returns the points of each line, from the answer as arrays."""
         listed = read_arrays(self.ask(*question, "f64").body)
         numbers, first = listed["points"][1], listed["first"][1]
         return [[numbers[3 * i:3 * i + 3] for i in range(a, b)] for a, b in zip(first, first[1:])]
