@@ -230,8 +230,8 @@ class Mix:
         return Request("remove", "DELETE", f"/v1/meshes/{self.chance.choice(('copy0', 'copy1', 'copy2', 'tiles', 'limit'))}", None, {})
 
     def wrong(self, mesh):
-        """Returns a request that is refused: bytes that are not a mesh, not JSON, or name no
-        point."""
+        """Returns a request that is refused: a malformed mesh, or a vertex, a mesh or a field that
+        does not exist."""
         return self.chance.choice((
             Request("wrong", "PUT", "/v1/meshes/wrong", self.chance.randbytes(300), {}),
             Request("wrong", "PUT", "/v1/meshes/wrong", b"v 0 0 0\nv 1 0 0\nf 1 2 3\n", {}),
