@@ -10,8 +10,8 @@
 
 enum { LINES = 1000, EDGES = 300, MAPS = 3, MEANS = 10, MEAN_POINTS = 4 };
 
-/* Returns the crossings a second of lines as long as EDGES mean edges, from random points of faces
- * in random directions. */
+/* Traces lines from random points of faces in random directions. Each line is as long as EDGES mean
+ * edges. Returns the number of edge crossings a second. */
 static double trace_rate(const struct gd_mesh *mesh, struct rng *rng)
 {
     double length = EDGES * gd_mesh_summary(mesh)->edge_length.mean;

@@ -1,5 +1,5 @@
-/* gd_bench warm: measures queries of a cached field. The queries are distances, in random order and
- * in the order of faces, one by one and as a batch; and paths. */
+/* gd_bench warm: measures queries of a cached field: paths, and distances in random order and in
+ * the order of faces. Distances are queried one by one and as a batch. */
 #include <stdio.h>
 #include <stdlib.h>
 
