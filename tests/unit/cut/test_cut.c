@@ -138,8 +138,8 @@ static void along_edges(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Polygons on a flat grid whose corners and sides meet vertices, edges and the boundary in every
- * way. Expected areas are from the shoelace formula. */
+/* Tests polygons on a flat grid. Their corners and sides meet vertices, edges and the boundary in
+ * every way. Expected areas are from the shoelace formula. */
 static void polygons_on_a_grid(void **state)
 {
     (void)state;

@@ -155,8 +155,9 @@ static void check_corner(const struct gd_polygons *mesh, uint32_t vertex, double
                     1e-15 * (1 + fabs(expected[axis])));
 }
 
-/* A mesh rotated by 90 degrees about z, scaled and translated, in a parent rotated about x.
- * Expected positions were computed by hand. Quaternions are rounded as in real files. */
+/* Uses a mesh that is rotated by 90 degrees about z, scaled and translated, in a parent that is
+ * rotated about x. Expected positions were computed by hand. Quaternions are rounded as in real
+ * files. */
 static void places_by_nodes(void **state)
 {
     (void)state;

@@ -27,8 +27,8 @@ static double gap(const struct gd_limit_path *path)
 }
 
 /* Tests the two closed geodesics in mirror planes of the smoothed cube. Their lengths were computed
- * by quadrature of |S'|. The second one, 5.384418260817, used Gauss nodes graded towards the four
- * vertices of valence 3. */
+ * by quadrature of |S'|. The quadrature for the second length, 5.384418260817, used Gauss nodes
+ * graded towards the four vertices of valence 3. */
 static void closed_geodesics(void **state)
 {
     (void)state;
@@ -245,9 +245,9 @@ static void refusals(void **state)
     gd_subdivision_release(cube);
 }
 
-/* Traces a thousand random geodesics on a real control mesh and on its discretization. None may
- * fail. Every tenth starts at a vertex. `part` is the length relative to the bounding box's
- * diagonal. */
+/* Traces a thousand random geodesics on a real control mesh and on its discretization. No trace may
+ * fail. Every tenth geodesic starts at a vertex. `part` is the length relative to the bounding
+ * box's diagonal. */
 static void check_thousand(const char *path, double part)
 {
     struct gd_subdivision *surface = surface_from_file(path, GD_SCHEME_CATMULL_CLARK);

@@ -258,8 +258,8 @@ static void turns_by_the_angle_defect(void **state)
     }
 }
 
-/* In a plane, transport does not change a vector. On any surface, transport along a path without
- * bends and back restores the vector's angle. */
+/* In a plane, transport does not change a vector. On any surface, transport forth and back along a
+ * path without bends restores the vector's angle. */
 static void transport_forth_and_back_changes_nothing(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* The priority of a worker's thread, with and without the right to leave idle priority, tested in
+/* Tests the priority of a worker's thread, with and without the right to leave idle priority, in
  * child processes. */
 #include "tests/unit/server/child.h"
 #include "tests/unit/server/support.h"
