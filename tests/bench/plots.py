@@ -139,8 +139,8 @@ def fit(points, key):
 
 
 def largest(points):
-    """Returns the number of faces for which the process would fill the machine's memory,
-    extrapolated from the largest mesh by the growth of the peak, which is at least linear."""
+    """Returns the number of faces for which the process would fill the machine's memory.
+    Extrapolates from the largest mesh by the growth of the peak, which is at least linear."""
     last, exponent = points[-1], fit(points, "peak_bytes")[0]
     return last["faces"] * (MACHINE_GIB * GIB / last["peak_bytes"]) ** (1 / max(1, exponent if exponent == exponent else 1))
 
