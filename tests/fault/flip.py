@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Flips single bytes anywhere in the data folder of a stopped or killed daemon. Then the daemon
-must start. Its answers must be unchanged, except for a mesh that it reports as unavailable, because
-it has found the damage.
+must start. Its answers must be unchanged. Only a mesh may be unavailable, if the daemon has found
+its damage.
 
     tests/fault/flip.py [--flips N] [--seed N]
 """
@@ -81,9 +81,9 @@ def answers(daemon):
 
 
 def prepare(place):
-    """Prepares two folders: of a stopped daemon, and of a killed daemon, whose database has a log
-    that is not empty. Returns both folders, and the answers that a daemon on either folder
-    gives."""
+    """Prepares the folder of a stopped daemon, and the folder of a killed daemon. The database of
+    the killed daemon has a log that is not empty. Returns both folders, and the answers that a
+    daemon on either folder gives."""
     closed, killed = place / "closed", place / "killed"
     daemon = Shimmed(closed, *FLAGS)
     for name, body in [("gone", mesh(9)), ("large", LARGE), *MESHES.items()]:
