@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Tests three nodes that share a PostgreSQL server, behind HAProxy with the shipped configuration,
 on loopback: the answers that clients get when nodes, the database or the network between them fail
-and recover. (test_nodes.py tests the nodes themselves, routing.py where requests go.)
+and recover. (test_nodes.py tests the nodes themselves; routing.py
+tests which node gets a request.)
 
     tests/cluster/shared.py [--short]
 
