@@ -72,7 +72,8 @@ def own_type(schema, indent):
 
 
 def reference_type(reference):
-    """Returns the type that a reference to a schema, or to a property of a schema, names."""
+    """Returns the name of the type to which a reference points. The reference is to a schema or to
+    a property of a schema."""
     name, *inner = reference.removeprefix("#/components/schemas/").split("/")
     return name + "".join(f"[{json.dumps(part)}]" for part in inner if part != "properties")
 
@@ -96,7 +97,8 @@ def answer_type(operation):
 
 
 def print_queries(document, kind, interface):
-    """Prints an interface with each POST query of a kind of surface that takes a JSON body."""
+    """Prints an interface for one kind of surface. Its members are the POST queries that take a
+    JSON body."""
     print(f"/** The queries of `/v1/{kind}/{{name}}` by name: request and answer. */\nexport interface {interface} {{")
     for path, item in document["paths"].items():
         before, _, name = path.partition(f"/v1/{kind}/{{name}}/")

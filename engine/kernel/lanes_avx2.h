@@ -1,5 +1,5 @@
-/* Lanes of AVX2: four at a time. kernel_lanes.h describes the operations. The three sets of lanes
- * must return the same bits. */
+/* Lanes of AVX2: four at a time. kernel_lanes.h describes the operations. The
+ * implementations for AVX-512, for AVX2 and in plain C must return the same bits. */
 #ifndef GD_KERNEL_LANES_H
 #define GD_KERNEL_LANES_H
 

@@ -111,7 +111,8 @@ static bool elimination_reduce(const struct gd__chain *chain, const struct gd__p
     return true;
 }
 
-/* Solves for the piece's right-hand sides, and completes its contribution to the joints' system. */
+/* Solves the piece's system for its right-hand sides, and completes its contribution to the joints'
+ * system. */
 bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *piece,
                         enum gd__hessian kind, double *scratch, struct gd__part *part)
 {
@@ -128,8 +129,8 @@ bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *p
         memcpy(scratch, column, unknowns * sizeof *scratch);
         gd__band_solve(unknowns, width, part->factor, column);
         part->schur[side][side] -= dot_free(part, unknowns, scratch, column);
-        /* The mixed derivative is the product of the unsolved column of side 1 (in `scratch`) and
-         * the solved column of side 0. */
+        /* The mixed derivative is reduced by the product of the unsolved column of side 1 (in
+         * `scratch`) and the solved column of side 0. */
         if (side == 1)
             part->schur[1][0] -= dot_free(part, unknowns, scratch, part->solution[GD__PART_FROM]);
     }

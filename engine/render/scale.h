@@ -14,8 +14,9 @@ struct gd__scale {
 struct gd__scale gd__scale_of(double range, uint32_t wanted);
 
 /* Returns the largest distance of a field's vertices, in the caller's unit. In a partial field,
- * faces beyond the last vertex may have distances too, so the length of the longest edge is added.
- * The sum is limited to the field's reach. Returns 1 if no distance is above 0. O(vertices). */
+ * points of faces may be farther from the source than all vertices that have a distance. So the
+ * length of the longest edge is added. The sum is limited to the field's reach. Returns 1 if no
+ * distance is above 0. O(vertices). */
 double gd__field_range(const struct gd_field *field);
 
 #endif

@@ -35,7 +35,7 @@ static uint32_t next_capacity(const struct line *line)
     return capacity < line->limit + 1 ? capacity : line->limit + 1;
 }
 
-/* Doubles the capacity and checks the control. Returns false on failure, and also if the limit is
+/* Increases the capacity and checks the control. Returns false on failure, and also if the limit is
  * reached; the status is then GD_OK. */
 static bool line_grow(struct line *line)
 {

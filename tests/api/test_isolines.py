@@ -11,7 +11,7 @@ from harness import SQUARE, TETRAHEDRON, Daemon, TestCase, sample, wait_until
 # orientation in the file
 TURNED = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 0\nf 1 2 5\nf 3 2 5\nf 3 4 5\nf 4 1 5\n"
 
-# flat except at its apex, around which the lines are circles of less than 2 pi
+# flat except at its apex; a line around the apex is shorter than 2 pi times its level
 CONE = {"radius": 1.0, "height": 0.5, "sectors": 7, "rings": 4}
 
 

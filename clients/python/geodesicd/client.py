@@ -202,7 +202,8 @@ class Mesh(Surface):
         return {**body, "via": points.all_as_json(via)} if via else body
 
     def nearest(self, point: PointLike) -> Point:
-        """Returns the surface point that `point` describes, in all forms (see `Point`)."""
+        """Returns the surface point that `point` describes, with its face, barycentric coordinates
+        and position (see `Point`)."""
         return Point.read(self.query("nearest", {"point": points.as_json(point)}))
 
     def pairs(self, starts: Any, ends: Any) -> Any:
