@@ -57,8 +57,8 @@ static inline const struct gd__node *gd__node(const struct gd__nodes *nodes, uin
 /* Returns a node as a point of the mesh. */
 struct gd_point gd__node_point(const struct gd__nodes *nodes, uint32_t node);
 
-/* Returns a mask in which a bit is set for each side of the face that contains the node: two bits
- * for a corner, one on a side, none inside the face. */
+/* Returns a mask of the face's sides on which the node lies: bit k stands for side k. A corner lies
+ * on two sides, and a node inside the face on none. */
 uint32_t gd__node_sides(const struct gd__nodes *nodes, uint32_t face, uint32_t node);
 
 /* Return the position, in a face, of a point or a node of the face. */

@@ -18,7 +18,7 @@ struct farthest {
     struct gd_vec3 q; /* the sample; all lengths here are in the mesh's normalised unit */
     double best;      /* squared distance of q from the surface */
     double largest;   /* squared distance of the farthest sample so far */
-    uint32_t face;    /* a face that is `best` from q; at first a face near the previous sample */
+    uint32_t face;    /* the nearest face so far; at first a face near the previous sample */
 };
 
 static double outside(double x, double min, double max)

@@ -47,8 +47,8 @@ static inline uint32_t gd__interval(const double *sorted, uint32_t low, uint32_t
 uint32_t gd__basis_span(uint32_t degree, uint32_t count, const double *knots, double t);
 
 /* Validates the count + degree + 1 knots of a curve. Error: GD_INVALID_ARGUMENT (a knot is not
- * finite or decreases, an inner knot is repeated so often that the curve is not continuous, or the
- * domain is empty). */
+ * finite or is less than the previous one, an inner knot is repeated so often that the curve is not
+ * continuous, or the domain is empty). */
 GD_MUST_USE enum gd_status gd__knots_check(uint32_t degree, uint32_t count, const double *knots,
                                            struct gd_detail *detail);
 

@@ -1,4 +1,4 @@
-/* Trim: shortens paths between two curves that cross these curves. */
+/* Trim: shortens a path between two curves if the path crosses one of them. */
 #ifndef GD_NURBS_TRIM_H
 #define GD_NURBS_TRIM_H
 

@@ -16,8 +16,8 @@ void gd__uv_polyline_free(struct gd__uv_polyline *polyline)
 
 enum gd_status gd__uv_polyline_add(struct gd__uv_polyline *polyline, const double at[2])
 {
-    /* capacity of the first array; if extending the second array failed before, it may be
-       smaller */
+    /* a lower bound of the first array's capacity, which is larger if extending the second array
+       failed before */
     uint32_t capacity = polyline->capacity;
     enum gd_status status = gd__array_extend(&polyline->at, &capacity, polyline->count + 1ULL,
                                              sizeof *polyline->at, NULL);

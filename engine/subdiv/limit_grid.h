@@ -30,8 +30,8 @@ static inline struct gd_vec3 gd__grid_position(const struct gd_limit_grid *grid,
                            (uint32_t)at[0] * (grid->cells + (size_t)1) + (uint32_t)at[1]];
 }
 
-/* If the left side of an edge is outside its face, converts the edge to the neighbouring face.
- * Returns false at the boundary of the surface. */
+/* If the triangle to the left of an edge is outside the edge's face, converts the edge to the
+ * neighbouring face. Returns false at the boundary of the surface. */
 bool gd__grid_settle(const struct gd_limit_grid *grid, struct gd__grid_edge *edge);
 
 /* Computes the third corner of the triangle to the left of an edge that lies inside the face. */

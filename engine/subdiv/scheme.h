@@ -58,8 +58,9 @@ struct gd__scheme {
        next spoke. */
     struct gd_vec3 (*limit)(const struct gd__net *net, const struct gd__fan *fan);
     struct gd_vec3 (*tangent)(const struct gd__net *net, const struct gd__fan *fan, double angle);
-    /* Limit mask of a closed fan around a fixed vertex: the direction of the component of the ring
-       that shrinks most slowly, or 0 if there is none. */
+    /* Limit mask of a closed fan around a fixed vertex. One component of the ring shrinks more
+       slowly than the others; the mask gives its direction, or 0 if the ring has no such
+       component. */
     struct gd_vec3 (*axis)(const struct gd__net *net, const struct gd__fan *fan);
     /* Limit mask at a crease with `faces` faces that begin at spoke `begin`. It gives the tangent
        across the crease, into the surface. */

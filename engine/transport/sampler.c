@@ -6,8 +6,8 @@ enum { DEPTH = 32 };
 
 /* Flatness of a leaf: its largest distance from its chord, relative to the length of the polygon of
  * its segment. In a leaf, the point for any parameter is computed by one construction of de
- * Casteljau, without further halvings. This result differs from the result with further halvings by
- * the order of the square of this value, times the surface's curvature. */
+ * Casteljau, without further halvings. Further halvings would change this point by about the square
+ * of this value, times the surface's curvature. */
 #define HEIGHT_PART 1e-3
 
 void gd__sampler_free(struct gd__sampler *sampler)

@@ -39,7 +39,7 @@ struct gd_cut_piece {
        tie, it belongs to the first of these regions. */
     uint32_t *face_map;
     uint32_t face_count;
-    double area; /* exact area of the piece up to the curve, even if select_only is set */
+    double area; /* exact area of the part that the curve bounds, even if select_only is set */
 };
 
 struct gd_cut {
@@ -58,12 +58,12 @@ void gd_cut_free(struct gd_cut *cut); /* Frees the pieces and zeroes the struct.
 /* Cuts `mesh` along a curve.
  *
  * If the curve passes a vertex, an edge or another part of itself at a distance below a millionth
- * of the face's longest edge, the curve is moved onto it. In faces that are nearly degenerate, the
- * distance may be up to a hundredth of this edge. So no new face is too flat for computations. A
- * part of the curve does not cut the mesh if it runs along the boundary, or if it runs back along
- * itself without enclosing an area. If the curve crosses itself, each of its loops is cut out: a
- * figure of eight gives three pieces. Crossings and the triangulation of crossed faces are computed
- * in exact integer arithmetic.
+ * of the face's longest edge, the curve is moved onto this vertex, edge or part. In faces that are
+ * nearly degenerate, this also happens at distances up to a hundredth of the longest edge.
+ * Therefore no new face is too flat for computations. A part of the curve does not cut the mesh if
+ * it runs along the boundary, or if it runs back along itself without enclosing an area. If the
+ * curve crosses itself, each of its loops is cut out: a figure of eight gives three pieces.
+ * Crossings and the triangulation of crossed faces are computed in exact integer arithmetic.
  *
  * The caller frees `*out` by gd_cut_free. Errors: GD_INVALID_ARGUMENT (an open curve whose ends are
  * not both on the boundary, consecutive points without a common face, a curve that does not cut the

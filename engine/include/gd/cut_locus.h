@@ -47,9 +47,9 @@ struct gd_cut_locus_options {
  * lengths differ by at most 1e-9 of the greatest distance. Errors: GD_INVALID_ARGUMENT (an option,
  * a member's number), GD_BEYOND_REACH (a partial field), GD_INTERNAL (as in gd_voronoi_labels),
  * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Time: O(k^2) for each face with k sources
- * (wedges of its edges), and O(k) for each two of them that compete for a part of the face. Memory:
- * about 100 to 200 bytes for each ridge in a face; these ridges are at most about as many as the
- * wedges. Thread-safe. */
+ * (wedges of its edges), and O(k) for each pair of sources that competes for a part of the face.
+ * Memory: about 100 to 200 bytes for each ridge in a face; there are at most about as many such
+ * ridges as wedges. Thread-safe. */
 GD_MUST_USE enum gd_status gd_cut_locus_trace(const struct gd_field *field,
                                               const uint32_t *member_of_seed,
                                               const struct gd_cut_locus_options *options,

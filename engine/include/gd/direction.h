@@ -56,7 +56,7 @@ GD_MUST_USE enum gd_status gd_direction_along(const struct gd_mesh *mesh,
 
 /* Returns the straight continuation of a line that arrives at the point. `back` is the direction
  * from the point back along the line. The angles of the continuation and of `back` differ by pi.
- * Except at a boundary vertex, this is half of the total angle. If the continuation leads over the
+ * Except at a boundary vertex, pi is half of the total angle. If the continuation leads over the
  * boundary, its angle is not an angle on the surface (at a vertex, it is larger than the total
  * angle), and its vector is the negative of the vector of `back`. O(1); O(faces) at a vertex. */
 struct gd_direction gd_direction_opposite(const struct gd_mesh *mesh, const struct gd_point *point,

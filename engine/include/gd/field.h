@@ -177,8 +177,9 @@ struct gd_wedge {
 
 /* Returns the wedges of the edge a-b, sorted by b0: `*count` wedges in `*out`, allocated by malloc
  * and owned by the caller. They cover the part of the edge within the field's reach. If paths run
- * along the edge itself, d0 or d1 is 0, and tau is arbitrary. For a seed segment on the edge, both
- * are 0. Errors: GD_NO_SUCH_EDGE, GD_NO_MEMORY. O(wedges of the edge's faces). Thread-safe. */
+ * along the edge itself, d0 or d1 is 0, and tau is arbitrary. For a seed segment on the edge, d0
+ * and d1 are 0. Errors: GD_NO_SUCH_EDGE, GD_NO_MEMORY. O(wedges of the edge's faces).
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_wedges(const struct gd_field *field, struct gd_vertex a,
                                            struct gd_vertex b, struct gd_wedge **out,
                                            uint32_t *count);

@@ -110,8 +110,8 @@ struct gd_geodesic {
     uint32_t piece_count; /* 0 if `from` and `to` meet */
     struct gd_geodesic_piece *pieces;
     /* Winding numbers. If the path begins at the coordinates (u, v) of `from`, it ends at the
-       coordinates of `to` plus these numbers of periods. Between closed curves they depend on the
-       parameters of the ends. */
+       coordinates of `to` plus these numbers of periods. If the path joins closed curves, the
+       winding numbers depend on the parameters of its ends. */
     int32_t turns[2];
     double meeting[2]; /* (u, v) where `from` and `to` meet, if piece_count is 0 */
 };

@@ -49,15 +49,16 @@ struct gd_limit_trace_request {
  * path leaves a patch exactly at its border. Across a crease, the path continues as if the crease
  * were flattened. Through an extraordinary vertex, it continues along its tangent. If the start is
  * a vertex and the direction does not lead into the start's face, the path starts in the face into
- * which the direction leads, if this face is on the same side of creases. If there is no such face,
- * or if the start has no normal, the path ends at once. Method: Gragg's method with Bulirsch and
- * Stoer's extrapolation. The relative error is 1e-13 for each patch (more in slivers near a spike),
- * and about 1e-11 after a hundred patches. On a surface of negative curvature, these errors and
- * errors of the start grow along the path. `control` and `detail` may be NULL; the caller frees
- * `*out` by gd_limit_path_free. Errors: those of gd_limit_evaluate; GD_INVALID_ARGUMENT (length or
- * direction not finite, or a direction without tangential component); GD_INTERNAL (control points
- * nearly coincide, so that no step is short enough for the error bound); GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE. Cost: about 50 us for each patch. Thread-safe. */
+ * which the direction leads, if the creases at the vertex do not separate the two faces. If there
+ * is no such face, or if the start has no normal, the path ends at once. Method: Gragg's method
+ * with Bulirsch and Stoer's extrapolation. The relative error is 1e-13 for each patch (more in
+ * slivers near a spike), and about 1e-11 after a hundred patches. On a surface of negative
+ * curvature, these errors and errors of the start grow along the path. `control` and `detail` may
+ * be NULL; the caller frees `*out` by gd_limit_path_free. Errors: those of gd_limit_evaluate;
+ * GD_INVALID_ARGUMENT (length or direction not finite, or a direction without tangential
+ * component); GD_INTERNAL (control points nearly coincide, so that no step is short enough for the
+ * error bound); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about 50 us for each
+ * patch. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_trace(const struct gd_subdivision *surface,
                                           const struct gd_limit_trace_request *request,
                                           const struct gd_control *control,

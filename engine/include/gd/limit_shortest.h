@@ -24,9 +24,9 @@ void gd_limit_shortest_free(struct gd_limit_shortest *shortest);
 
 /* Computes the shortest path from ends[0] to ends[1]. Computes the exact path on the mesh, and from
  * it a geodesic of the limit surface (gd_limit_relax). If this fails, the result is the mesh's path
- * projected onto the limit surface. The result is also the projected path if the geodesic is longer
- * than this path by more than the error estimate of this path's length. The projected path's length
- * is an upper bound of the distance; its difference from mesh_distance estimates the error. If two
+ * projected onto the limit surface. The projected path is also the result if the geodesic is longer
+ * by more than the error estimate. The length of the projected path is an upper bound of the
+ * distance. The difference between this length and mesh_distance is the error estimate. If two
  * paths are nearly equally short, the result is the path that is shorter on the mesh. The result
  * may then be longer than the shortest path by O(4^-level). `control` and `detail` may be NULL; the
  * caller frees `*out` by gd_limit_shortest_free. Errors: those of gd_limit_place_check and

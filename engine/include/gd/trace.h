@@ -18,8 +18,8 @@
  *     normal    continues in the plane that contains the arriving line and the vertex' normal: for
  *               meshes that approximate a smooth surface
  * If a line passes a vertex at a distance within rounding errors, it goes through the vertex.
- * Otherwise rounding errors would determine on which side it passes. The tolerance is 1e-12 of the
- * crossed edge or of the distance from the start, whichever is shorter, plus 4e-15 of the edge.
+ * Otherwise rounding errors would determine on which side it passes. Let e be the length of the
+ * crossed edge and r the distance from the start. The tolerance is 1e-12 min(e, r) + 4e-15 e.
  *
  * At the boundary a line stops or slides. A line that slides turns into the boundary edge with
  * which it makes the smaller angle. It follows the boundary as long as its angle with the next edge

@@ -50,7 +50,7 @@ struct gd_voronoi {
 };
 
 /* Writes the nearest member of every vertex index of the input, as gd_field_nearest, to `out`,
- * which has index_count entries. It is UINT32_MAX for a vertex that has no path from a seed, is
+ * which has index_count entries. The entry is UINT32_MAX if the vertex has no path from a seed, is
  * beyond the reach of a partial field, or is unreferenced. `member_of_seed` has the member of each
  * seed; it is borrowed and may be NULL. If seeds of several members lie at the same point, the
  * point belongs to the member with the smallest offset. In a tie, it belongs to the member that has

@@ -26,8 +26,8 @@ size_t gd_workspace_bytes(const struct gd_workspace *workspace);
 /* Frees the workspace's memory. The workspace can still be used. */
 void gd_workspace_trim(struct gd_workspace *workspace);
 
-/* Sets how many bytes of the memory of released fields the process keeps for later fields;
- * initially 0. Thread-safe. */
+/* Sets how much memory of released fields the process keeps for later fields, in bytes; initially
+ * 0. Thread-safe. */
 void gd_spare_memory(size_t bytes);
 
 /* Makes the system provide memory for a later field of the size of the last one, within the limit
