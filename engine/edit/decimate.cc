@@ -233,7 +233,7 @@ static void lock_boundary(EditMesh &edited, Watch &watch)
     }
 }
 
-/* Expected number of steps of the watch for each collapse. A collapse evaluates about 6 neighbours
+/* Expected number of calls of watch.step for each collapse. A collapse evaluates about 6 neighbours
  * of the vertex again, and each of them has about 6 neighbours. */
 static const double STEPS_A_COLLAPSE = 40;
 

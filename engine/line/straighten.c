@@ -86,9 +86,9 @@ static double turn_of(const struct gd_mesh *mesh, uint32_t vertex, const struct 
 enum hold { HOLD_TAUT, HOLD_LOOSE, HOLD_WOUND };
 
 /* Returns the state of a corner. `from` and `to` are the corner's neighbours on the line. The angle
- * of the line at the vertex, measured within the strip, is at least pi. But it is computed only up
- * to whole revolutions around the vertex. So if the computed angle is less than pi, the strip
- * contains a whole revolution. */
+ * of the line at the vertex, measured within the strip, is at least pi. But this angle is computed
+ * only up to whole revolutions around the vertex. So if the computed angle is less than pi, the
+ * strip contains a whole revolution. */
 static enum hold hold_of(const struct gd_mesh *mesh, const struct gd__strip *strip,
                          const struct gd__corner *corner, const struct row *row,
                          struct gd__local from, struct gd__local to)

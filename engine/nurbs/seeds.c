@@ -228,8 +228,9 @@ static int by_edge(const void *x, const void *y)
     return p->b < q->b ? -1 : p->b > q->b;
 }
 
-/* Lists the crossings of all faces. A crossing has one entry for each face of its edge; this entry
- * has the sum at the other crossing of the same face. If `out` is NULL, only counts the entries. */
+/* Lists the crossings of all faces. A crossing has one entry for each face of its edge. As `least`,
+ * each entry has the sum at the other crossing of its face. If `out` is NULL, only counts the
+ * entries. */
 static uint32_t list_crossings(struct search *search, struct crossing *out)
 {
     const struct gd_polygons *polygons = &search->tessellation->polygons;

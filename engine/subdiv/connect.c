@@ -193,7 +193,8 @@ static enum gd_status check_fans(const struct gd__net *net, struct gd_detail *de
         uint32_t point = net->origin[side];
         if (met[point] == 0) {
             gd__fan_around(net, side, &fan);
-            /* each side of the fan decrements this number, so that 1 is left */
+            /* the sides of this fan decrement this number to 1; a side of another fan then finds
+               1 */
             met[point] = fan.count + 1;
         }
         if (met[point]-- == 1)

@@ -169,7 +169,8 @@ static const struct term across_edge[] = {
     {4, 0, 0, 1}, {0, 4, 0, 1}, {3, 1, 0, 6}, {1, 3, 0, 6}, {2, 2, 0, 12},
     {3, 0, 1, 2}, {0, 3, 1, 2}, {2, 1, 1, 6}, {1, 2, 1, 6},
 };
-/* The control point lies on the continuation of an edge. y is the other end of this edge. */
+/* The control point lies on the continuation of an edge beyond corner x. z is the other corner of
+ * this edge. */
 static const struct term beyond_corner[] = {{4, 0, 0, 1}, {3, 1, 0, 2}};
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof(array)[0]))

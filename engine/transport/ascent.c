@@ -63,10 +63,10 @@ static void try_turn(const struct cone *cone, double turn, double *best, double 
     *out = turn;
 }
 
-/* Finds the greatest sum. Only vectors whose turns differ by less than pi contribute to the sum in
- * a direction. This set of vectors changes only at turns that differ from the turn of a vector by
- * pi. So testing both sides of each such turn covers all sets. At the boundary, the greatest sum
- * may also be at an end of the interval. */
+/* Finds the greatest sum. A vector's term depends on the direction only if the vector's turn
+ * differs from the direction by less than pi. The set of these vectors changes only at directions
+ * that differ from the turn of a vector by pi. So testing both sides of each such direction covers
+ * all sets. At the boundary, the greatest sum may also be at an end of the interval. */
 static double climb_all(const struct cone *cone, double *turn)
 {
     enum { SIDES = 2 };
