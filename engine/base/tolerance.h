@@ -233,7 +233,7 @@
  * as GD_TOL_FLAT is nearly as large. */
 #define GD_TOL_JOINT 1e-9
 
-/* A line touches an earlier segment of itself if their distance is less than this part of the
+/* A line touches one of its earlier segments if their distance is less than this part of the
  * lengths of both. The rounding error of a line grows with its whole length. */
 #define GD_TOL_TOUCH 1e-9
 
@@ -301,8 +301,8 @@
 /* --- parametric surfaces (nurbs) -------------------------------------------------------------- */
 
 /* Two borders of a surface count as one curve if they differ by at most this part of the surface's
- * size. A border counts as one point if its size is at most this part. The error of lengths across
- * the border is at most as large. */
+ * size. A border counts as one point if its size is at most this part. The error of a length across
+ * the border is at most this part of the surface's size. */
 #define GD_TOL_CLOSED 1e-11
 
 /* Derivatives in u and v count as parallel, as at a pole, if the area of their parallelogram is
@@ -393,9 +393,10 @@
 #define GD_TOL_GAP 1e-6
 
 /* Two paths to a point are different if their arrival directions differ by this angle, in radians.
- * Paths around both sides of a vertex that they nearly pass differ by less. The point counts as a
- * point of the cut locus if a position where both paths are equally long is nearer to it than
- * GD_TOL_CUT times its distance. This is the rounding error of such a position. */
+ * Two paths that pass a vertex closely on opposite sides differ by less. The point counts as a
+ * point of the cut locus if a position where both paths are equally long is nearer to the point
+ * than GD_TOL_CUT times the point's distance. This bound is the rounding error of such a position.
+ */
 #define GD_TOL_CUT_ANGLE 1e-3
 #define GD_TOL_CUT       1e-10
 

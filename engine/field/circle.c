@@ -240,8 +240,8 @@ static bool face_each_other(const struct gd__source *a, const struct gd__source 
 
 /* Returns true if source k wins a tie with source i. The circles of sources that face each other
  * touch in one point, or along a ridge at the level; then neither source wins. A linear source wins
- * against a point, so that a line and the circle around its segment's end join exactly. Otherwise
- * the source with the lower number wins. */
+ * against a point, so that a segment's line and the circle around the segment's end join exactly.
+ * Otherwise the source with the lower number wins. */
 static bool takes_tie(const struct gd__sources *sources, uint32_t k, uint32_t i, double level)
 {
     const struct gd__source *a = &sources->source[k], *b = &sources->source[i];

@@ -1,7 +1,7 @@
 /* Close seeds: a seed is close to a point in another face if both lie beside the same edge or the
- * same vertex. The distance between the two may be very short, and a distance computed from wedges
- * would lose digits. Therefore these functions compute it from barycentric weights that are small,
- * and from differences of weights. Normalised unit. */
+ * same vertex. The distance between seed and point may be very short, and would lose digits if it
+ * were computed from wedges. Therefore these functions compute it from barycentric weights that are
+ * small, and from differences of weights. Normalised unit. */
 #ifndef GD_FIELD_CLOSE_SEED_H
 #define GD_FIELD_CLOSE_SEED_H
 

@@ -84,7 +84,7 @@ static enum gd_status check_work(struct tracer *tracer, double fraction)
 }
 
 /* Returns the range of distances on an edge. Along the edge, the distance changes by at most the
- * edge's length. An unreached end counts as that much farther than the other end. */
+ * edge's length. An unreached end counts as one such length farther than the other end. */
 static struct gd__levels edge_levels(double a, double b, double length)
 {
     double sum = lesser(a, b + length) + lesser(b, a + length);

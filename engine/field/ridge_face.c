@@ -120,9 +120,9 @@ static bool put_on_border(const struct work *work, struct gd__local at, double s
     return false;
 }
 
-/* Moves a position along the bisector of two sources to a side of the face that is at most `reach`
- * away. Uses Newton's method for two equations: the distances are equal, and the height above the
- * side is 0. */
+/* Moves a position along the bisector of two sources to a side of the face. The side is at most
+ * `reach` away. Uses Newton's method for two equations: the distances are equal, and the height
+ * above the side is 0. */
 static struct gd__local move_to_side(const struct gd__face_frame *frame,
                                      const struct gd__focus focus[2], struct gd__local at,
                                      double reach)

@@ -6,9 +6,8 @@
  *   different directions.
  * - Two sources are *related* if one lies on the paths from the other. Examples: a corner and a
  *   source behind it; a segment and its end; a source that is seen through two wedges, which counts
- *   twice. At each point, their distances differ, or their distances and their directions are
- *   equal. So they have no ridge. Where both are equal, one of the two sources takes precedence, so
- *   that no part is found twice.
+ *   twice. Related sources have no ridge: where they give equal distances, the directions are equal
+ *   too. At such points one of the two sources takes precedence, so that no part is found twice.
  * - Parts are labelled with the members of their sources. Members have no influence on the
  *   positions of parts. So there is no nudge as in a Voronoi diagram (voronoi_parts.h).
  * - A ridge along an edge may be found in one of the edge's faces or in both, because the field
@@ -98,9 +97,9 @@ GD_MUST_USE enum gd_status gd__ridge_foci(struct gd__ridges *ridges, uint32_t pa
  * held. gd__ridges_free_ends frees the arrays that lines do not need. gd__ridges_add appends a part
  * with its ends and, if it is bent, its arc; gd__ridges_bridge appends a straight part between two
  * nodes; gd__ridges_add_along appends a part along an edge. gd__ridges_settle gives nodes to the
- * ends in a face, and to those on its edges whose other face is done. gd__ridges_finish adds the
- * parts along edges and gives nodes to all other ends. Errors: GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE. */
+ * ends in a face, and to the ends on an edge of the face if the edge's other face is done.
+ * gd__ridges_finish adds the parts along edges and gives nodes to all other ends. Errors:
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__ridges_open(struct gd__ridges *ridges);
 void gd__ridges_close(struct gd__ridges *ridges);
 void gd__ridges_free_ends(struct gd__ridges *ridges);

@@ -350,8 +350,8 @@ enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh
 
 /* --- choice of the end ------------------------------------------------------------------------ */
 
-/* Returns the estimated work of a search per length of the path, at one point of the path. The
- * width of the searched strip is about the square root of `rest` - `lower`, where `rest` is the
+/* Returns the estimated work of a search per unit of the path's length, at one point of the path.
+ * The width of the searched strip is about the square root of `rest` - `lower`, where `rest` is the
  * remaining length and `lower` its lower bound. The number of windows grows with `run`, the
  * distance from the search's source. */
 static double work_at(double run, double rest, double lower)

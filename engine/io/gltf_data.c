@@ -227,8 +227,8 @@ static enum gd_status read_type(struct gd__gltf_accessor *accessor, bool is_posi
     return GD_OK;
 }
 
-/* Returns the position of `count` elements of `size` bytes in a view, at the byteOffset of an
- * object. */
+/* Finds `count` elements of `size` bytes in a view. The first one lies at the byteOffset of an
+ * object. Returns its position in `out`. */
 static enum gd_status find_elements(const struct gd__gltf *gltf, uint32_t object,
                                     const struct view *view, uint32_t count, size_t size,
                                     size_t stride, const char **out)

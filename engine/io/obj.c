@@ -226,8 +226,8 @@ static void parts_append(struct parts *parts, struct gd__scan *scan, uint32_t go
     }
 }
 
-/* Reads the beginning of a long text on the threads of the executor, in parts. The rest is left to
- * the caller. It begins at the first part that has an error or a relative vertex number. So errors
+/* Reads the beginning of a long text on the threads of the executor, in parts. Stops before the
+ * first part that has an error or a relative vertex number; the caller reads the rest. So errors
  * and vertex numbers are the same as without threads. */
 static enum gd_status read_parts(struct gd__scan *scan, struct gd__builder *builder)
 {

@@ -2,8 +2,8 @@
  * contests other windows that overlap. */
 /* A list of children under construction. b0, b1, x, y, sigma and source describe the list's last
  * window, with its ends before they were cut. The other numbers describe the window that was
- * offered last. They are not vectors, because most lists are so short that filling vectors would
- * take more time than it saves. */
+ * offered last. None of these numbers is a vector, because most lists are so short that filling
+ * vectors would take more time than it saves. */
 struct chain {
     struct gd__children *list;
     double width;

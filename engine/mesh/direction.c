@@ -142,8 +142,8 @@ struct heading {
     /* angle between the given direction and the sector; 0 if the direction lies in the sector;
        INFINITY if there is no direction */
     double outside;
-    /* If the heading was computed from a vector, both are scaled to length 1, and this is the
-       squared length of their difference. */
+    /* if the heading was computed from a vector: the squared length of the difference between
+       heading and vector, both scaled to length 1 */
     double deviation;
 };
 

@@ -18,7 +18,7 @@ int gd__edge_use_compare(const void *a, const void *b);
 
 struct gd__edge_table {
     uint32_t vertex_count;
-    /* for each vertex, index in `use` of the first side whose lower vertex it is; vertex_count + 1
+    /* for each vertex, index in `use` of the first side with this lower vertex; vertex_count + 1
        entries */
     uint32_t *first;
     /* 3 face_count entries; those of each lower vertex are sorted by higher vertex, then by side */

@@ -2,7 +2,7 @@
 
 #include <float.h>
 
-/* If the sine of the angle between `up` and the line of sight is smaller, `up` is not used. */
+/* If the sine of the angle between `up` and the line of sight is below this, `up` is not used. */
 #define PARALLEL 1e-6
 /* Points of layers enlarge the view up to this distance beyond the surface, relative to the
  * surface's size. The control mesh of a tetrahedron is about four times as large as its limit

@@ -5,7 +5,7 @@
 #include "base/large.h"
 
 /* A position on the surface counts as visible if its depth exceeds the depth of its pixel's sample
- * by at most SLACK, plus the face's steepness times AWAY. */
+ * by at most the following sum: SLACK + AWAY x the face's steepness. */
 #define SLACK 1.0 /* pixels of depth */
 /* largest distance between a position and its pixel's sample, from corner to corner, in pixels */
 #define AWAY     1.5

@@ -40,8 +40,8 @@ static uint8_t paeth(int left, int above, int corner)
     return (uint8_t)(a <= b && a <= c ? left : b <= c ? above : corner);
 }
 
-/* Filters a row and returns the result that probably compresses best, which has the least sum of
- * absolute signed bytes (RFC 2083, 9.6). */
+/* Filters a row by each filter, and returns the result with the least sum of absolute signed bytes,
+ * because this result probably compresses best (RFC 2083, 9.6). */
 static const uint8_t *filter_row(const struct encoder *encoder)
 {
     static const uint8_t numbers[FILTERS] = {1, 2, 4};

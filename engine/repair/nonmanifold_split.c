@@ -187,9 +187,9 @@ static uint32_t *find_corner(const struct splitting *s, uint32_t side, uint32_t 
                                  : NULL;
 }
 
-/* Gives each pair of faces at the edge its own copy of the edge's lower end, except the pair of the
- * first edge_face. A face that already got a copy because of another edge no longer belongs to this
- * edge. */
+/* Gives each pair of faces at the edge its own copy of the edge's lower end, except the pair that
+ * contains s->edge_face[0]. A face that already got a copy because of another edge no longer
+ * belongs to this edge. */
 static enum gd_status detach_edge_faces(struct splitting *s, uint32_t low, uint32_t count)
 {
     enum gd_status status = GD_OK;

@@ -20,8 +20,8 @@
 struct cell_table {
     struct gd__construction *work;
     double tolerance;
-    uint32_t *head; /* for each slot, the last vertex of a cell; GD_NONE if free */
-    uint32_t *next; /* for each vertex, the vertex before it in its cell */
+    uint32_t *head; /* for each slot, the newest vertex of a cell; GD_NONE if free */
+    uint32_t *next; /* for each vertex, the next older vertex of its cell */
     uint64_t mask, seed;
 };
 

@@ -2,9 +2,9 @@
 
 #include <stdlib.h>
 
-/* Number of buckets after which an idle page is reused. The buckets span about the length of some
- * edges. With a lower number, pages that are needed again soon would be reused. With a higher
- * number, more memory would be idle. */
+/* Number of buckets after which an idle page is reused. Together, these buckets are about as wide
+ * as a few edges are long. With a lower number, pages that are needed again soon would be reused.
+ * With a higher number, more memory would be idle. */
 #define REST       4
 #define SLAB_PAGES 32
 

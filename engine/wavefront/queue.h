@@ -1,11 +1,11 @@
-/* Queue: circular buckets of small integers (sides and vertices), in order of distance up to the
- * width of a bucket. If the key of a node decreases, the node gets a second entry, and its old
- * entry becomes stale. The owner of a node stores the bucket in which the node waits, and ignores
- * the node's entries in other buckets. Within a bucket the order is first in, first out. A node
- * whose key is too large for the ring of buckets goes to the last bucket. The order affects the
- * time, but never the exactness, because sides and vertices are processed again when shorter paths
- * reach them. First in, first out keeps the work polynomial if a whole component is in one bucket.
- * One owner, one thread. */
+/* Queue: circular buckets of nodes (numbers of sides and vertices). The buckets are in order of
+ * distance. Within a bucket the order is first in, first out. If the key of a node decreases, the
+ * node gets a second entry, and its old entry becomes stale. The owner of a node stores the bucket
+ * in which the node waits, and ignores the node's entries in other buckets. A node whose key is too
+ * large for the ring of buckets goes to the last bucket. The order affects the time, but never the
+ * exactness, because sides and vertices are processed again when shorter paths reach them. First
+ * in, first out keeps the work polynomial if a whole component is in one bucket. One owner, one
+ * thread. */
 #ifndef GD_WAVEFRONT_QUEUE_H
 #define GD_WAVEFRONT_QUEUE_H
 

@@ -91,7 +91,7 @@ struct gd__wavefront {
     struct gd__queue *queue;
     uint64_t wedge_count;
     enum gd__wedge_form wedge_form; /* form of new chunks */
-    /* number of distances that decreased after windows that depend on them were queued */
+    /* how many times a distance decreased although windows that depend on it were already queued */
     uint32_t distance_drops;
 
     struct gd__guide *guide;
