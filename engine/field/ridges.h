@@ -15,8 +15,8 @@
  *   their face, because ridges are rounded. They are joined to disjoint intervals of the edge.
  * - The ends of parts are matched by position: at a vertex, on an edge, in a face. The number of
  *   parts that end at a position is arbitrary, so ties need no rule. The faces are processed in the
- *   order of their numbers. Ends on an edge wait until both faces of the edge are done, and on an
- *   edge with parts along it until all faces are done.
+ *   order of their numbers. Ends on an edge wait until both faces of the edge are done. If there
+ *   are parts along the edge, the ends wait until all faces are done.
  * - Most parts are straight up to the tolerance and store no arc. If the sources of such a part are
  *   needed later, they are gathered again.
  * - Normalised unit. */

@@ -12,8 +12,8 @@
  *   centre is a chosen position, not a source.
  *
  * So 1/r is linear in u. There are two tests of a position c + r u of the branch: on which side of
- * a line it lies, and whether a third source is nearer. Divided by r, these tests are linear in u
- * too: m u >= h. Their solution is a span of angles. Only the test of a third point against two
+ * a line it lies, and whether a third source is nearer. Divided by r, each test is linear in u too:
+ * m u >= h. The solution of a test is a span of angles. Only the test of a third point against two
  * linear sources is quadratic along their line. */
 #ifndef GD_FIELD_VORONOI_BRANCH_H
 #define GD_FIELD_VORONOI_BRANCH_H

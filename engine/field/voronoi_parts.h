@@ -12,8 +12,8 @@
  *   the owner of the edge's end, the owner change is at that end.
  * - In a face, any two sources of different members have a branch (voronoi_branch.h). The parts of
  *   bisectors are the parts of branches that both sources see and to which no third source is
- *   nearer. The ends of parts are matched by position: with an owner change, with the end of a part
- *   of the same members, or with two others at a triple point.
+ *   nearer. Each end of a part is matched by position: with an owner change, with an end of another
+ *   part of the same two members, or, at a triple point, with the ends of two other parts.
  * - A bisector is a chain of parts, joined at nodes where two parts meet.
  * - Normalised unit. */
 #ifndef GD_FIELD_VORONOI_PARTS_H

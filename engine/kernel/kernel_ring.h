@@ -6,7 +6,7 @@
  * ends of the parts. Returns a bound on the difference. Reason: along a part of length s, consider
  * the distance from a point that is at distance d from one of the part's ends. Its second
  * derivative along the part is at most 1 / (d (1 - (s/d)^2)), so the distance is below its linear
- * interpolation by at most s^2 / 8 times this value. If the parts are at least as long as their
+ * interpolation by at most this value times s^2 / 8. If the parts are at least as long as their
  * distance, half of the sum of their lengths is a bound. */
 static inline floats ring_sag(floats square, floats d, floats part, floats own)
 {

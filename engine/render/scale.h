@@ -10,7 +10,8 @@ struct gd__scale {
     uint32_t count; /* number of levels: step, 2 step and so on, below the range */
 };
 
-/* Returns the scale whose number of levels is nearest, by ratio, to `wanted` >= 1. */
+/* Returns a scale with about `wanted` levels, `wanted` >= 1. Of the possible intervals between
+ * levels, it has the one whose ratio to range / wanted is closest to 1. */
 struct gd__scale gd__scale_of(double range, uint32_t wanted);
 
 /* Returns the largest distance of a field's vertices, in the caller's unit. In a partial field,

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #define ENOUGH 0.95 /* visible fraction at which the search stops */
-#define BETTER 0.05 /* a view replaces the best one only if it shows more by this fraction */
+#define BETTER 0.05 /* a view replaces the best one if its visible fraction is larger by more */
 
 #define END_PART 0.1 /* weight of the visibility of each end */
 

@@ -8,7 +8,7 @@
  * A linear window belongs to a segment source (Bommes and Kobbelt 2007). Its rays are parallel, as
  * if the source were infinitely far away in the direction (x, -y), which is a unit vector with y >
  * 0. The distance at (t, h) of the frame is sigma - x t + y h. So sigma is the distance at the
- * frame's origin. It has another value in another frame. It may be negative, because the origin may
+ * frame's origin, and each frame has its own sigma. Sigma may be negative, because the origin may
  * lie outside the window. In homogeneous coordinates the source of a window is (x, -y, 1), and the
  * source of a linear window is (x, -y, 0). */
 #ifndef GD_WINDOW_WINDOW_H
