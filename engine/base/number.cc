@@ -21,9 +21,9 @@ static int64_t saturated_integer(const char *at, const char *end)
     return negative ? -value : value;
 }
 
-/* Returns true if the well-formed number in [at, end) is nearer to zero than any double, and false
- * if it is larger than all doubles. The sign of the decimal exponent of its leading digit decides.
- * The caller must have checked that the number is out of the range of doubles. */
+/* Returns true if the well-formed number in [at, end) is closer to 0 than any other double, and
+ * false if it is larger than all doubles. The sign of the decimal exponent of its leading digit
+ * decides. The caller must have checked that the number is out of the range of doubles. */
 static bool is_tiny(const char *at, const char *end)
 {
     int64_t exponent = 0;

@@ -11,8 +11,8 @@
  * constant distance. This ridge ends at a third source or on the boundary, or is a closed line that
  * crosses edges. Therefore a maximum is a vertex, a point of a boundary edge between two sources, a
  * point of any edge between two segments, or a point between three sources. Vertices are tried
- * first. Then the search visits only faces whose distances may exceed the best one so far, and in
- * each face only such sources. */
+ * first. Then the search visits only faces whose distances may exceed the best distance so far. In
+ * each face it uses only the sources that may give such distances. */
 
 enum { CHECK_INTERVAL = 64 /* faces */ };
 

@@ -1,7 +1,7 @@
 /* The kernel for one set of lanes. kernel_plain.c, kernel_avx2.c and kernel_avx512.c define the
  * lanes (lanes_*.h) and then include this file. kernel_linear_plain.c, kernel_linear_avx2.c and
- * kernel_linear_avx512.c define WITH_LINEAR as 1 first. Otherwise, the code for linear windows is
- * omitted.
+ * kernel_linear_avx512.c define WITH_LINEAR as 1 first. In the other kernels, the code for linear
+ * windows is omitted.
  *
  * A `lanes` holds LANES doubles, an `ids` LANES 32-bit integers, and a `mask` one truth value for
  * each lane. Arithmetic uses C's operators. `pick(m, a, b)` has the lanes of `a` where m is true,

@@ -3,9 +3,9 @@
  * lines in space from ring to ring is a lower bound of the path's length. These lines follow the
  * surface better than one straight line to the target.
  *
- * The hops of a vertex are the number of edges from the target's corners to this vertex. Only edges
- * between vertices that a path within the bound may pass are used. From vertex to vertex along such
- * a path, the hops change by at most one. So a path to a vertex of more than k hops meets a vertex
+ * The hops of a vertex are the number of edges from the target's corners to this vertex. An edge is
+ * used only if paths within the bound may pass both of its ends. From vertex to vertex along such a
+ * path, the hops change by at most one. So a path to a vertex of more than k hops meets a vertex
  * of k hops, or the edge between two such vertices. These vertices and edges form the ring at k.
  * The points of a ring are its vertices and the middles of its edges. Between two points of an
  * edge, the bound is interpolated linearly, and the greatest error of this interpolation is

@@ -3,7 +3,8 @@
 #include <stdlib.h>
 
 #define ENOUGH 0.95 /* visible fraction at which the search stops */
-#define BETTER 0.05 /* a view replaces the best one if its visible fraction is larger by more */
+/* a view replaces the best one only if its visible fraction is larger by more than this */
+#define BETTER 0.05
 
 #define END_PART 0.1 /* weight of the visibility of each end */
 

@@ -64,8 +64,9 @@ static inline void gd__queue_enter(struct gd__queue *queue, struct gd__bucket *b
 void gd__queue_enter_full(struct gd__queue *queue, struct gd__bucket *bucket, uint32_t node,
                           uint32_t number, uint32_t *waiting);
 
-/* Enters a node unless it already waits in a bucket at or before its key. *waiting is the bucket in
- * which it waits, or GD_NONE if there is none. Amortised O(1). */
+/* Enters a node unless the node already waits in the bucket of its key or in an earlier bucket.
+ * *waiting is the bucket in which the node waits, or GD_NONE if it does not wait. Amortised O(1).
+ */
 static inline void gd__queue_push(struct gd__queue *queue, uint32_t node, double key,
                                   uint32_t *waiting)
 {
