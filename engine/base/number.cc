@@ -21,7 +21,7 @@ static int64_t saturated_integer(const char *at, const char *end)
     return negative ? -value : value;
 }
 
-/* Returns true if the well-formed number in [at, end) is closer to 0 than any other double, and
+/* Returns true if the well-formed number in [at, end) is closer to 0 than all doubles except 0, and
  * false if it is larger than all doubles. The sign of the decimal exponent of its leading digit
  * decides. The caller must have checked that the number is out of the range of doubles. */
 static bool is_tiny(const char *at, const char *end)

@@ -3,13 +3,13 @@
  * DESIGN. The first step decides which faces are joined at each edge (`neighbour`). The two faces
  * of an ordinary edge are joined. If an edge has more than two faces, they are joined in pairs
  * (face_pairing.h). The corners of a vertex that belong to joined faces form a fan. The fan with
- * the lowest-numbered face keeps the vertex; each further fan gets a copy of it. This splits edges
- * and vertices in one step.
+ * the lowest-numbered face keeps the vertex; each further fan gets a copy of the vertex. So edges
+ * and vertices are split in one step.
  *
  * This is not always enough. Two pairs of faces at an edge may belong to the same fan at both ends
  * of the edge. Then the edge keeps its two vertices, and all four faces still share it. In this
- * case each pair except the first gets its own copy of the edge's lower end. That also splits the
- * other edges of these faces at that end. */
+ * case each pair except the first gets its own copy of the edge's lower end. The copy also replaces
+ * this end in the other edges of the pair's faces. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -8,7 +8,8 @@
  *
  * The distance of a linear window is linear along the edge. The bisector of a linear window and a
  * point is a parabola. The equation is squared once, and the edge meets the parabola in up to two
- * points. The bisector of two linear windows is a line, which the edge meets in one point. */
+ * points. The bisector of two linear windows is a line, which the edge meets in at most one
+ * point. */
 
 #define BISECTIONS 60
 
