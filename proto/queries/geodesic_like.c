@@ -130,8 +130,8 @@ uint32_t proto_geodesic_control_points(const struct gd_geodesic *path, double (*
     return count;
 }
 
-/* Writes the knots. Piece i has the parameters [i, i + 1]. The multiplicity of a knot between two
- * pieces is the degree if they share a control point, otherwise one more. */
+/* Writes the knots. Piece i has the parameters [i, i + 1]. If two pieces share a control point, the
+ * multiplicity of the knot between them is the degree, otherwise the degree plus 1. */
 uint32_t proto_geodesic_knots(const struct gd_geodesic *path, double *out)
 {
     uint32_t count = 0;

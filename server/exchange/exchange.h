@@ -200,8 +200,8 @@ struct server_exchange {
 
     struct server_response response;
 
-    /* Of these arrays and of the response's headers, only the items that are counted are
-     * initialized, because clearing all would take longer than the rest of a short request. */
+    /* In these arrays and in the response's array of headers, only the items below the count are
+     * initialized. To clear all items would take longer than the rest of a short request. */
     struct proto_parameter parameter_list[SERVER_EXCHANGE_PARAMETERS];
     struct server_request_header headers[SERVER_EXCHANGE_HEADERS];
     char name[PROTO_MESH_NAME + 1]; /* name in the key of server_request_key */

@@ -247,8 +247,8 @@ static void entry_rate(struct entry *entry)
 }
 
 /* Adds an entry, with one more reference. Does nothing if the entry is NULL, if the mesh cache is
- * closed, or if the cache has a field of these seeds that reaches as far. Withdraws an entry that
- * the new one replaces. */
+ * closed, or if the cache has a field of these seeds with at least this reach. Withdraws an entry
+ * that the new one replaces. */
 static void entry_put(struct entry *entry, struct entries *removed)
 {
     if (!entry || entry->fields->is_closed || table_find_covering(entry->fields, &entry->key))

@@ -19,8 +19,8 @@
  * time, and one of larger reach needs another build.
  *
  * A field is built when a request claims it. For queries of pairs, the field of a point is built
- * after SERVER_CACHE_SEARCHES queries of that point (hot_points.h). A field costs as much as 10 to
- * 100 searches for pairs. So a client that never repeats a source does not fill the cache.
+ * after SERVER_CACHE_SEARCHES queries of that point (hot_points.h), because a field costs as much
+ * as 10 to 100 searches for pairs. So a client that never repeats a source does not fill the cache.
  *
  * Fields without pins can be evicted, by GreedyDual-Size-Frequency (Cherkasova, "Improving WWW
  * proxies performance with GreedyDual-Size-Frequency caching policy", 1998). At each use a field's

@@ -222,8 +222,8 @@ static void connections_complain(struct server_connections *connections, uint64_
         connections->reserve, connections->most);
 }
 
-/* Shuts down half a reserve more connections than necessary, so that the next new connection does
- * not need another sort. */
+/* Shuts down more connections than necessary, by half of the reserve. So the next new connection
+ * does not need another sort. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns)
 {
     uint32_t reserve = connections->reserve, scarce = reserve / SCARCE_PART, done = 0;

@@ -215,14 +215,14 @@ static void item_settle(struct server_batch_runner *runner, const struct item *i
     }
 }
 
-/* Returns the index in `places` of the address at which jobs wait for changes of that batch. It is
- * the last digit of the batch's id. */
+/* Returns the index in `places` of the address at which jobs wait for changes of that batch. The
+ * index is the last digit of the batch's id. */
 static unsigned place_of(const char *id)
 {
     return (unsigned)strtoul(id + SERVER_BATCH_ID - 2, NULL, 16) % PLACES;
 }
 
-/* Records that a batch has changed; if `id` is NULL, that all batches have. */
+/* Records a change of the batch `id`, or of all batches if `id` is NULL. */
 static void runner_note(struct server_batch_runner *runner, const char *id)
 {
     SERVER_LOCK(&runner->lock);

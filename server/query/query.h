@@ -125,8 +125,8 @@ struct server_query_kind {
     enum server_query_turn (*try_inline)(struct server_query *query);
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query);
-    /* Runs on a worker if the query has not named a set yet, because the set takes time to locate.
-       Names the set. If this member is NULL, the pending set is located. */
+    /* Names the set, if the query has not named it yet because it takes time to locate. Runs on a
+       worker. If this member is NULL, the pending set is located. */
     bool (*prepare)(struct server_query *query);
     /* Runs after the pending set is located. May be NULL. */
     bool (*located)(struct server_query *query);
@@ -170,8 +170,9 @@ void server_query_handle(struct server_exchange *exchange, const struct server_q
 
 /* --- for the steps ---------------------------------------------------------------------------- */
 
-/* Return the monitor of a long call. The call is the part [begun, begun + share] of the query's
- * progress in the first function, of the progress of the monitor `whole` in the second. */
+/* Return the monitor of a long call. The call is the part [begun, begun + share] of a
+ * progress: in the first function of the query's progress, in the second one of the progress of the
+ * monitor `whole`. */
 struct server_monitor server_query_monitor(const struct server_query *query, double begun,
                                            double share);
 struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun,

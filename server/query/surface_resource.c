@@ -173,8 +173,8 @@ static bool draft_write(struct draft *draft, struct server_derived_meshes *meshe
     return !status || proto_problem_from_status(problem, status, NULL);
 }
 
-/* Returns the record of the file. This is the registry's record if the name already has the same
- * mesh. */
+/* Returns the record of the file: the registry's record if the name already has the same mesh,
+ * otherwise a new one. */
 static enum gd_status draft_record(const struct server_exchange *exchange,
                                    const struct draft *draft, const struct gd_control *control,
                                    struct server_record **out)

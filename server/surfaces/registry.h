@@ -45,9 +45,9 @@ void server_registry_watch(struct server_registry *registry,
 
 /* Both functions wait for the disk. server_registry_put durably stores a surface under its record's
  * key, with its attachment and the file from which it was made (`bytes`, borrowed). Returns CREATED
- * or REPLACED. If the key already has this record, it keeps the surface in memory, repairs damaged
- * stored bytes, and returns REPLACED. If the precondition is NULL, it stores no other surface, and
- * returns ABSENT if the key has another record or no record. Errors: PRECONDITION, NO_MEMORY, FULL,
+ * or REPLACED. If the key already has this record, the function keeps the surface in memory, repairs
+ * damaged stored bytes, and returns REPLACED. If the precondition is NULL and the key has another
+ * record or no record, the function stores nothing and returns ABSENT. Errors: PRECONDITION, NO_MEMORY, FULL,
  * REFUSED, READ_ONLY, UNAVAILABLE. server_registry_remove returns DONE, ABSENT or one of these
  * errors. */
 enum server_outcome server_registry_put(struct server_registry *registry,

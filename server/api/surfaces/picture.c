@@ -133,8 +133,8 @@ static bool picture_has_field(const struct picture *picture)
     return picture->wanted.field || picture->wanted.has_source || picture->layers.has_set;
 }
 
-/* Solves the layers before the field is claimed: a layer that needs the same field would wait
- * forever for a build that this query has to do. */
+/* Solves the layers before this query claims its field. Otherwise a layer that needs the same field
+ * would wait for ever, because this query would have to build the field first. */
 static enum server_query_turn picture_solve(struct server_query *query)
 {
     struct picture *picture = (struct picture *)query;
