@@ -3,8 +3,8 @@
  *
  * Only plain text is read: {"from": […], "to": […]} with points in one of the forms {"vertex": 1},
  * {"face": 1, "barycentric": [0.2, 0.3, 0.5]} and {"xyz": [1, 2, 3]}. If the text is anything else,
- * the functions return false, and the caller parses the document. The document's parser accepts
- * the other forms, too, and reports faults. Both parsers must give the same result for plain text. */
+ * the functions return false, and the caller parses the document. The document's parser accepts the
+ * other forms, too, and reports faults. Both parsers must give the same result for plain text. */
 #ifndef PROTO_BULK_POINTS_H
 #define PROTO_BULK_POINTS_H
 

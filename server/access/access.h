@@ -48,9 +48,9 @@ const char *server_grant_name(const struct server_grant *grant);
  * grant. */
 const char *server_grant_tenant(const struct server_grant *grant);
 
-/* Returns whether the grant may change jobs, batches and fields of `key`, a key of its tenant. A grant
- * with the role write may change those of all keys of its tenant, any other grant only those of its
- * own key. On refusal sets the problem forbidden. */
+/* Returns whether the grant may change jobs, batches and fields of `key`, a key of its tenant. A
+ * grant with the role write may change those of all keys of its tenant, any other grant only those
+ * of its own key. On refusal sets the problem forbidden. */
 bool server_grant_may_change(const struct server_grant *grant, const char *key,
                              struct proto_problem *problem);
 

@@ -105,9 +105,9 @@ bool server_credentials_set(struct server_credential *key, char *setting, char e
 /* Returns whether the text has the form of a name. */
 bool server_credentials_is_name(const char *text);
 
-/* keygen.c: runs `geodesicd keygen`; `argv` begins with the name of the key. Prints two lines
- * for scripts to `out`: the key, and then the key's line for the file of --keys. Prints an
- * explanation to `error`. Returns false after printing a sentence to `error`. */
+/* keygen.c: runs `geodesicd keygen`; `argv` begins with the name of the key. Prints two lines for
+ * scripts to `out`: the key, and then the key's line for the file of --keys. Prints an explanation
+ * to `error`. Returns false after printing a sentence to `error`. */
 bool server_keygen(int argc, char *const argv[], FILE *out, FILE *error);
 
 #endif

@@ -134,8 +134,8 @@ struct text {
     char bytes[GATHERED_MOST];
 };
 
-/* These buffers are not members of `output`, because `output` has an initial value: the program's
- * file would then contain the buffers. */
+/* These buffers are not members of `output`. As members, they would be a part of the program's
+ * file, because `output` has an initial value. */
 static struct text texts[2];
 
 static struct {

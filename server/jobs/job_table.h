@@ -12,8 +12,8 @@
  * for a worker, and stopped by its control if it runs.
  *
  * Bounds: an ended job is dropped when its time to live is over. If the table or the memory for
- * answers (SERVER_BUDGET_JOBS) is full earlier, the oldest ended job of the largest user (key) is
- * dropped. Jobs that have not ended are never dropped. If the daemon has keys, a tenant with n
+ * answers (SERVER_BUDGET_JOBS) is full before that, the oldest ended job of the largest user (key)
+ * is dropped. Jobs that have not ended are never dropped. If the daemon has keys, a tenant with n
  * unfinished jobs may start another job only while the table has room for more than n further
  * unfinished jobs. Ids increase with time, so the order by id is also the order by age.
  *
@@ -79,7 +79,7 @@ void server_job_table_drain(struct server_job_table *table);
 
 struct server_job_statistics {
     uint64_t now[PROTO_JOB_STATE_COUNT]; /* jobs in the table */
-    /* number of jobs that ended since the start, for each of the last three states */
+    /* number of jobs that ended since the start, for each of the three final states */
     uint64_t ended[PROTO_JOB_STATE_COUNT];
 };
 

@@ -125,8 +125,8 @@ struct server_query_kind {
     enum server_query_turn (*try_inline)(struct server_query *query);
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query);
-    /* Names the set, if the query has not named it yet because it takes time to locate. Runs on a
-       worker. If this member is NULL, the pending set is located. */
+    /* Names the set, if the query has not named it yet because a set takes time to locate. Runs on
+       a worker. If this member is NULL, the pending set is located. */
     bool (*prepare)(struct server_query *query);
     /* Runs after the pending set is located. May be NULL. */
     bool (*located)(struct server_query *query);
@@ -150,8 +150,8 @@ struct server_query_kind {
     unsigned (*status)(struct server_query *query);
 };
 
-/* Creates a query that is all of the exchange's progress. The query retains the surface. Returns
- * NULL if out of memory. */
+/* Creates a query whose work is all of the exchange's progress. The query retains the surface.
+ * Returns NULL if out of memory. */
 struct server_query *server_query_create(const struct server_query_kind *kind,
                                          struct server_exchange *exchange,
                                          struct server_surface *surface);
@@ -170,9 +170,9 @@ void server_query_handle(struct server_exchange *exchange, const struct server_q
 
 /* --- for the steps ---------------------------------------------------------------------------- */
 
-/* Return the monitor of a long call. The call is the part [begun, begun + share] of a
- * progress: in the first function of the query's progress, in the second one of the progress of the
- * monitor `whole`. */
+/* Return the monitor of a long call. The call is the part [begun, begun + share] of a progress: in
+ * the first function of the query's progress, in the second one of the progress of the monitor
+ * `whole`. */
 struct server_monitor server_query_monitor(const struct server_query *query, double begun,
                                            double share);
 struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun,

@@ -7,10 +7,10 @@
  * slots. Surfaces are retired and released without the slots' lock, because that frees fields.
  *
  * Shared store: a thread applies the changes of other daemons to the slots, under the follower's
- * lock, when the database signals a change and every 200 ms. If the last change was applied more
- * than a second ago, or the name is unknown (server_registry_is_fresh), a worker first applies
- * changes for a request. So, while the store can be reached, no answer uses a surface that was
- * replaced or removed more than a second before.
+ * lock, when the database signals a change and every 200 ms. If the daemon last asked for changes
+ * more than a second ago, or the name is unknown (server_registry_is_fresh), a worker applies the
+ * changes before it handles the request. So, while the store can be reached, no answer uses a
+ * surface that was replaced or removed more than a second before.
  *
  * When memory is short, unused surfaces are unloaded if the store can load them again. Surfaces
  * without cached fields are unloaded first, in the order of their last use. Then fields are evicted
@@ -45,11 +45,11 @@ void server_registry_watch(struct server_registry *registry,
 
 /* Both functions wait for the disk. server_registry_put durably stores a surface under its record's
  * key, with its attachment and the file from which it was made (`bytes`, borrowed). Returns CREATED
- * or REPLACED. If the key already has this record, the function keeps the surface in memory, repairs
- * damaged stored bytes, and returns REPLACED. If the precondition is NULL and the key has another
- * record or no record, the function stores nothing and returns ABSENT. Errors: PRECONDITION, NO_MEMORY, FULL,
- * REFUSED, READ_ONLY, UNAVAILABLE. server_registry_remove returns DONE, ABSENT or one of these
- * errors. */
+ * or REPLACED. If the key already has this record, the function keeps the surface in memory,
+ * repairs damaged stored bytes, and returns REPLACED. If the precondition is NULL and the key has
+ * another record or no record, the function stores nothing and returns ABSENT. Errors:
+ * PRECONDITION, NO_MEMORY, FULL, REFUSED, READ_ONLY, UNAVAILABLE. server_registry_remove returns
+ * DONE, ABSENT or one of these errors. */
 enum server_outcome server_registry_put(struct server_registry *registry,
                                         struct server_surface *surface, const void *bytes,
                                         const struct server_precondition *precondition);

@@ -163,8 +163,8 @@ static bool call_attempt_begin(struct server_budgeted_call *call)
     return true;
 }
 
-/* Before this call, the budget counts the workspace in addition to the grant, although the
- * workspace's memory is a part of the grant. */
+/* Ends an attempt, and returns to the budget the bytes that are not used any more. Until this call,
+ * the budget counts the workspace twice: by itself and as a part of the grant. */
 static void call_attempt_end(struct server_budgeted_call *call)
 {
     struct server_space *space = &call->space;

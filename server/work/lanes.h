@@ -11,8 +11,8 @@
  * for which clients wait, precede patient jobs, but after 16 urgent jobs a patient job follows.
  *
  * Limits, which hold separately for urgent and for patient jobs: all lanes together have at most
- * `length` waiting jobs. A tenant may have n waiting jobs only while all lanes together have room
- * for n more (dynamic thresholds, Choudhury and Hahne, 1998).
+ * `length` waiting jobs. A tenant with n waiting jobs may queue another job only while all lanes
+ * together have room for more than n further jobs (dynamic thresholds, Choudhury and Hahne, 1998).
  *
  * Spare workers are threads beyond the number of workers. A spare worker takes an urgent job while
  * patient jobs occupy workers, or a job whose tenant has no running job.

@@ -37,9 +37,9 @@ bool server_workers_submit(struct server_workers *workers, struct server_job *jo
 void server_workers_resume(struct server_workers *workers, struct server_job *job);
 
 /* Parks a job at an address until server_workers_unpark is called for this address, or until a
- * time; 0 means no limit. This must be the last call of the job's `run`. The job is refused if it
- * is late, or at a cancel. After a cancel, returns false and does not park the job. This and the
- * next function take only the workers' lock. */
+ * time; 0 means no limit. This must be the last call of the job's `run`. A parked job is refused at
+ * its own deadline, or when the workers are cancelled. If they are already cancelled, returns false
+ * and does not park the job. This and the next function take only the workers' lock. */
 bool server_workers_park(struct server_workers *workers, struct server_job *job, const void *at,
                          uint64_t until_ns);
 

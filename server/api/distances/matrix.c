@@ -7,8 +7,8 @@
  * and need no computation.
  *
  * Each row is a task of an executor (executor.h) with its own workspace and its own grant from the
- * memory budget. The first failure ends all rows. A row that uses a field then ends within about
- * a millisecond. A row that uses searches ends after its current search. */
+ * memory budget. The first failure ends all rows. A row that uses a field then ends within about a
+ * millisecond. A row that uses searches ends after its current search. */
 #include "server/query/handlers.h"
 
 #include <math.h>

@@ -39,8 +39,8 @@ static void release_job(void *user)
     server_deferred_job_release(user);
 }
 
-/* Lends a large answer to the response. Until the response is sent, it holds a reference of the
- * job. */
+/* Lends a large answer to the response. The response holds a reference of the job until it is
+ * sent. */
 static struct server_lent lend_answer(struct server_deferred_job *job,
                                       const struct proto_job_answer *answer, const char *tail)
 {
