@@ -28,7 +28,7 @@
 /* 1/16 of the memory budget is set aside for the memory of released fields */
 #define SPARE_PART 16
 #define SPARE_MOST ((size_t)256 << 20)
-/* time to send the last answers after all are computed */
+/* time to send the remaining answers after all answers are computed */
 #define LAST_ANSWERS_NS UINT64_C(2000000000)
 #define PERSIST_NS      UINT64_C(10000000000) /* time for writing fields */
 #define LOOK_NS         UINT64_C(2000000)     /* between two checks during a stop */
