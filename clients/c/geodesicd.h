@@ -83,8 +83,8 @@ struct gdc_request {
     size_t body_size;
     const char *content_type; /* NULL means application/json */
     const char *accept;       /* NULL means application/json */
-    /* nonzero if each request creates something new, such as POST /v1/batches; the client then does
-     * not repeat the request if the connection fails after it was opened */
+    /* nonzero if each request creates something new, as POST /v1/batches does; if the connection
+     * then fails after it was opened, the client does not repeat the request */
     int once;
 };
 
@@ -189,8 +189,8 @@ enum gdc_status gdc_upload_arrays(struct gdc_client *client, const char *mesh,
                                   const struct gdc_arrays *arrays, struct gdc_problem *problem);
 
 /* A page of a list. Pass a struct of zeros to the first call, and the same struct to each further
- * call, which frees `json` and reads the next page into the struct. A call that fails leaves the
- * page unchanged. */
+ * call. A further call frees `json` and reads the next page into the struct. A call that fails
+ * leaves the page unchanged. */
 struct gdc_page {
     char *json;     /* the caller frees the last text with gdc_free */
     char next[128]; /* the position at which the next page begins; "" after the last page */

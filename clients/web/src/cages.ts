@@ -1,7 +1,7 @@
-// Control meshes of subdivision surfaces. The daemon does not return control meshes. So the page
-// knows only the control meshes of samples, and of files that it has uploaded since it was opened.
-// The description of a surface has the SHA-256 of its file, by which the page finds the control
-// mesh.
+// Control meshes of subdivision surfaces. The daemon does not return control meshes. Therefore the
+// page knows only the control meshes of samples, and those of files that the page has uploaded
+// since it was opened. The description of a surface has the SHA-256 of its file, by which the page
+// finds the control mesh.
 
 import { SAMPLES } from "./samples.ts";
 import type { Vec3 } from "./vector.ts";

@@ -100,7 +100,7 @@ function enters(corners: Vec3[], [p, q]: Segment): boolean {
 
 /**
  * Returns the part of a convex polygon on one side of a line. `sides` has the signed distance of
- * each corner from the line; the part where it is not negative is returned.
+ * each corner from the line. The returned part lies where this distance is not negative.
  */
 function half(corners: Vec3[], sides: number[]): Vec3[] {
   return corners.flatMap((corner, i) => {
