@@ -1,9 +1,9 @@
 """The contract, proto/openapi.yaml: makes its requests, and checks answers against it.
 
-An answer is right if its operation documents the status, the media type, the problem's code, the
-headers and the body, and if no required member is missing. The contract allows undocumented members
-in answers, but here such a member is a fault. A required member may be missing only if `select` in
-the request can omit it. Needs Debian's python3-yaml and python3-jsonschema.
+An answer is right if its status, media type, problem code, headers and body are documented for its
+operation, and if no required member is missing. The contract allows undocumented members in
+answers, but here such a member is a fault. A required member may be missing only if `select` in the
+request can omit it. Needs Debian's python3-yaml and python3-jsonschema.
 """
 import functools
 import gzip

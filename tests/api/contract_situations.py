@@ -273,8 +273,8 @@ def try_keys(found, place):
 @contextlib.contextmanager
 def hogged(daemon, count):
     """Keeps the only worker and its queue busy with requests. Waits until the worker runs the first
-    request, because until then the first request occupies the place in the queue that the second
-    request needs."""
+    request. Until then this request occupies a place in the queue, and the second request needs
+    that place."""
     assert daemon.put("ball", sample("icosphere", level=5)).status in (200, 201)
     connections = [daemon.connect() for _ in range(count)]
     for number, connection in enumerate(connections):

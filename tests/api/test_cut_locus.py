@@ -67,8 +67,8 @@ class Box:
             edge = edge_between(k, other)
             if other in sides or not edge or len(sides) > 4:
                 continue
-            # `move` unfolds a point of the plane of side k about the common edge into the plane of
-            # the other side.
+            # `move` takes a point in the plane of side k, and unfolds it about the common edge into
+            # the plane of the other side.
             a, b = (self.flat(k, end) for end in edge)
             c, d = (self.flat(other, end) for end in edge)
             length = math.dist(a, b)

@@ -9,8 +9,8 @@ from subdivisions import DIAGONAL, MIDDLE, MIRROR, Subdivisions
 
 class Trace(Subdivisions):
     def test_the_closed_geodesics_of_the_cube(self):
-        """In the mirror planes y = 0 and x = y a trace returns to its start. On the mesh the gap is
-        the error of the level; on the surface the gap is at most 1e-8."""
+        """In the mirror planes y = 0 and x = y a trace returns to its start. On the mesh, the gap
+        is the error of the level. On the surface, the gap is at most 1e-8."""
         vertex = {"face": 0, "uv": [0, 0]}  # a vertex of valence 3 in the plane x = y
         for start, direction, length, plane in [(MIDDLE, [1, 0, 0], MIRROR, (0, 1, 0)), (MIDDLE, [1, 1, 0], DIAGONAL, (1, -1, 0)),
                                                 (vertex, [1, 1, 1], DIAGONAL, (1, -1, 0))]:

@@ -270,8 +270,8 @@ class Discretize(Subdivisions):
             self.assert_near(list(map(float, line.split()[1:])), xyz, 1e-14)
         binary = self.daemon.get("/v1/meshes/fine/places", Accept="application/octet-stream").body
         self.assertEqual(list(struct.unpack(f"<{4 * 386}d", binary)), [x for place in places["places"] for x in place])
-        # queries of meshes work; this query leads from the middle of the top to the middle of the
-        # bottom
+        # queries of meshes work, for example the distance from the middle of the top to the middle
+        # of the bottom
         ends = [next(i for i, xyz in enumerate(found) if math.dist(xyz, [0, 0, z * 68 / 81]) < 1e-9) for z in (1, -1)]
         distance = self.daemon.get(f"/v1/meshes/fine/distance?from=v:{ends[0]}&to=v:{ends[1]}").json["distance"]
         self.assertAlmostEqual(distance, MIRROR / 2, 1)
