@@ -8,8 +8,8 @@ usage: tests/bench/around.py [--build DIR] [--runs N] [--workers N] [--only WORD
 
 Each row has the time of a request (least and median of the runs), the processor time of the daemon,
 its page faults, the size of the answer, and the target. Targets are multiples of the field's time
-in gd_bench. The answers are read, but not parsed. If the daemon could answer a request from its
-cache, each run uses new data. --random N sends N random requests of all kinds
+in gd_bench. The answers are read, but not parsed. Each run uses new data where the daemon could
+otherwise answer from its cache. --random N sends N random requests of all kinds
 (tests/bench/random_requests.py), one after the other, and reports the slowest of each kind. --quick
 measures small meshes, to check that this program works.
 """

@@ -9,7 +9,7 @@
 
 enum {
     SEGMENTS = 1000,
-    /* largest number of points that are joined; on a small mesh, this number of points can give
+    /* largest number of points that are joined; on a small mesh, the curve through them can have
      * fewer than SEGMENTS segments */
     MOST_POINTS = 64
 };

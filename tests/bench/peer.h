@@ -11,11 +11,11 @@
  * a field covers the distances of all vertices from the source, with all data that the solver keeps
  * for later queries. The time of a pair covers its distance. The time of a trace covers PEER_LINES
  * straightest geodesics with their paths. These geodesics are PEER_LINE_EDGES mean edges long. They
- * start in the middle of the face, in directions that divide a full turn equally; the first one is
- * that of the face's first edge. No time includes reading the file, building the mesh or freeing an
- * answer. `sum` is the sum of all distances. `ends` is the sum of the three coordinates of all
- * ends. `crossings` is the number of points of all paths, not counting the two ends of each path.
- * Correct solvers agree on these numbers. A program that does not support a task, or gets no
+ * start in the middle of the face. Their directions divide a full turn equally; the first one is
+ * the direction of the face's first edge. No time includes reading the file, building the mesh or
+ * freeing an answer. `sum` is the sum of all distances. `ends` is the sum of the three coordinates
+ * of all ends. `crossings` is the number of points of all paths, not counting the two ends of each
+ * path. Correct solvers agree on these numbers. A program that does not support a task, or gets no
  * arguments, ends with status 2. */
 #ifndef TESTS_BENCH_PEER_H
 #define TESTS_BENCH_PEER_H

@@ -10,8 +10,7 @@
 enum { TENTHS = 10 };
 
 struct reach {
-    /* the windows and the time of each source, as fractions of the windows and the time of the
-       whole field */
+    /* the windows and the time of each source, divided by those of the whole field */
     double *propagated[TENTHS], *ms[TENTHS];
     uint32_t count[TENTHS];
 };
