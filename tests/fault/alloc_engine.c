@@ -132,8 +132,8 @@ static bool try_one(const struct operation *operation, struct result expected,
 
 /* --- all of one operation --------------------------------------------------------------------- */
 
-/* Repeats trials with one kind of `order` until no further call fails, or, if `order` selects fresh
- * calls, until a trial reaches no new call path. */
+/* Repeats trials with one kind of `order`. If `order` selects fresh calls, ends when a trial
+ * reaches no new call path; otherwise ends when no further call fails. */
 static void try_each(const struct operation *operation, struct result expected, const char *kind,
                      struct allocator_order order)
 {

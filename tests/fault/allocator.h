@@ -19,8 +19,7 @@ struct allocator_order {
     unsigned long nth; /* the number of the call that fails, from 1; 0 selects no call by number */
     bool fresh;        /* makes the first call fail whose call path has not failed yet */
     bool lasting;      /* also makes all later calls fail */
-    /* with `fresh`, only every step-th new call path fails, and each call that has not failed yet;
-     * 0 means 1 */
+    /* if `fresh`, XX */
     uint32_t step;
 };
 

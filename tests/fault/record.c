@@ -4,8 +4,8 @@
  *
  * An entry is a line "KIND SIZE A B [PATH] [PATH]\n" followed by SIZE bytes of data. Kinds: C
  * create file, M make folder, W write at A, T truncate to A, S sync, R rename, L link, U unlink, D
- * remove folder. Failed calls are omitted. One mutex covers call and entry, so that the log has
- * them in the order in which they happened.
+ * remove folder. Failed calls are omitted. One mutex is held during the call and the writing of its
+ * entry, so that the log has the changes in the order in which they happened.
  *
  * RECORD_KILL, if it is set, is a kind: the process is killed right after its first change of that
  * kind. */

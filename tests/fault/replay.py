@@ -79,8 +79,8 @@ class Scenario:
         mark(self.log, f"end {name} {edge}")
 
     def change_twice(self, name, edge):
-        """Kills the daemon after it has made the folder of the mesh's bytes; the next life stores
-        the same bytes."""
+        """Kills the daemon after it has made the folder for the bytes of a mesh. The next life
+        stores the same bytes."""
         self.daemon.stop()
         self.start(RECORD_KILL="M")
         try:
