@@ -11,8 +11,8 @@ struct NAME(vector) {
 };
 
 /* The shape of a face, described from each side k. Side k is the vector from corner k to the next
- * corner. From corner k, the third corner is reached by along[k] times this vector, plus across[k]
- * times the same vector turned by a right angle into the face. `length` has the sides' lengths. */
+ * corner. The third corner is at corner k, plus along[k] times this vector, plus across[k] times
+ * the same vector turned by a right angle into the face. `length` has the sides' lengths. */
 struct NAME(shape) {
     REAL length[3], along[3], across[3];
 };
@@ -21,8 +21,8 @@ struct NAME(shape) {
  * origin. */
 struct NAME(window) {
     struct NAME(vector) right, left; /* ends of the side */
-    /* the vector from the right to the left end; it is stored because the difference of distant
-       positions would lose the digits of short edges */
+    /* the vector from the right to the left end; it is stored, because left - right loses digits if
+       the edge is short and far from the source */
     struct NAME(vector) edge;
     /* the first and last direction that the source sees, as vectors to the unfolded vertices that
        limit the view */
@@ -233,9 +233,10 @@ static REAL NAME(place_on_side)(const struct NAME(window) * window, struct NAME(
     return !(t > 0) ? 0 : t < 1 ? t : 1;
 }
 
-/* Returns whether, for one end of the side, the path to this end and along the side is shorter than
- * the path through the window, at all points of the window. By the triangle inequality, it suffices
- * to test the point of the window that is farthest from this end. */
+/* Compares two paths at all points of the window: the path to one end of the side and then along
+ * the side, and the path through the window. Returns whether the first path is shorter at every
+ * point, for at least one end. By the triangle inequality, it suffices to test the point of the
+ * window that is farthest from this end. */
 static bool NAME(is_useless)(const struct NAME(solver) * solver, const struct NAME(window) * window,
                              REAL begin, REAL end)
 {
@@ -273,8 +274,8 @@ static bool NAME(returns)(const struct NAME(solver) * solver, const struct NAME(
     return solver->mesh->across[at][first].face == window->face;
 }
 
-/* Queues the window that leaves a face through this side, unless the window is useless or enters a
- * face that it has already passed through. */
+/* Queues the window that leaves a face through this side. Omits windows that are useless, and
+ * windows that would enter a face which they have already crossed. */
 static void NAME(offer)(struct NAME(solver) * solver, uint32_t face, uint32_t side,
                         uint32_t right_corner, struct NAME(window) window)
 {
