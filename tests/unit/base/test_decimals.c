@@ -82,9 +82,8 @@ static void lanes_agree_with_plain_code(void **state)
     }
 }
 
-/* A skipped value costs time but is still converted correctly. If all bits of the numbers are
- * significant, the SIMD lanes skip one random number in 30 million, because it is too close to a
- * tie. */
+/* A skipped value costs time but is still converted correctly. Of random numbers whose bits are all
+ * significant, the SIMD lanes skip one in 30 million, because it is too close to a tie. */
 static void lanes_leave_out_few_values(void **state)
 {
     (void)state;

@@ -91,8 +91,8 @@ static void faces_of_a_selection(void **state)
     gd_mesh_release(mesh);
 }
 
-/* The square has two triangles of area 0.5. An area of 0.255 of the upper triangle lies to the left
- * of x = 0.3, and an area of 0.248 to the left of x = 0.29. */
+/* The square has two triangles of area 0.5. The part of the upper triangle to the left of x = 0.3
+ * has the area 0.255; the part to the left of x = 0.29 has the area 0.248. */
 static void a_crossed_face_belongs_to_the_piece_with_most_of_it(void **state)
 {
     (void)state;

@@ -167,9 +167,9 @@ static void offsets_of_a_boundary(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Tests isolines on the lateral surface of a prism. One boundary as the seed gives a single line
- * around the prism; both boundaries give two lines. Isolines about a geodesic on a prism or a cone
- * have the same lengths as in a plane. */
+/* Tests isolines on the lateral surface of a prism. If one boundary is the seed, there is a single
+ * line around the prism; if both are seeds, there are two lines. Isolines about a geodesic on a
+ * prism or a cone have the same lengths as in a plane. */
 static void offsets_on_mantles(void **state)
 {
     (void)state;

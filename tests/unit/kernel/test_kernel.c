@@ -382,8 +382,9 @@ static void check_same_children(const struct gd__children *a, const struct gd__c
     check_same_windows(&a->at, &b->at, a->count);
 }
 
-/* Computes by definition which windows pass to the left and to the right of the apex, and the
- * length of the shortest straight path through the other windows to the apex. */
+/* Computes by definition which windows pass to the left of the apex, and which pass to the right.
+ * The other windows see the apex; also computes the shortest straight path through them to the
+ * apex. */
 static struct gd__apex look_at_apex(const struct gd_side *s, double known)
 {
     struct gd__apex best = {.distance = known, .last_left = GD_NONE, .first_right = GD_NONE};
@@ -576,9 +577,9 @@ static double told_at(const struct two_edges *edges, double t, double own)
                             (struct gd__place){(float)p.x, (float)p.y, (float)p.z}, (float)own);
 }
 
-/* At each point of an edge, the linear interpolation between the bounds at the edge's ends is a
- * lower bound of the distance to the points of another edge. The test uses near and far edges, with
- * equal lengths and with ratios up to 1000. */
+/* The bounds at the two ends of an edge are interpolated along the edge. At each point, the result
+ * is a lower bound of the distance to the points of another edge. The test uses near and far edges,
+ * with equal lengths and with ratios up to 1000. */
 static void ring_bounds_are_below_distances(void **state)
 {
     (void)state;

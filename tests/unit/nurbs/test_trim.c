@@ -232,8 +232,8 @@ static void around_a_hole_of_a_cylinder(void **state)
 }
 
 /* Tests a hole between meridians and parallels of the unit sphere. A path that passes south of the
- * hole has three parts: an arc of a great circle that is tangential to the hole's southern
- * parallel, a part of this parallel, and another arc of a great circle. */
+ * hole has three parts: an arc of a great circle, a part of the hole's southern parallel, and
+ * another arc of a great circle. Both arcs are tangential to this parallel. */
 static void along_a_parallel_of_a_sphere(void **state)
 {
     (void)state;

@@ -16,8 +16,8 @@ static double sum_at(const struct gd__pull *pulls, uint32_t count, double turn, 
     return sum;
 }
 
-/* Checks that no direction on the surface has a larger sum, and that the found direction has the
- * returned sum. */
+/* Checks that no direction on the surface has a larger sum than the found one, and that the found
+ * direction has the returned sum. */
 static void check_point(const struct gd_mesh *mesh, struct gd_point point, struct rng *rng)
 {
     bool is_closed = gd__turn_is_closed(mesh, &point);

@@ -367,8 +367,8 @@ static void hits_from_both_sides_agree(void **state)
             gd_trace_free(&trace);
         }
         struct gd_vec3 middle = gd_point_position(box.mesh, &ends[1]);
-        /* the corner's angle is 3/2 pi; the line continues at half of this angle from the incoming
-           line, across one edge or the other */
+        /* the corner's angle is 3/2 pi; the continued line makes an angle of 3/4 pi with the
+           incoming line, and crosses one edge or the other */
         double in = atan2(1 - y, 1 - x), by_x = 3 * M_PI_4 - in, by_y = M_PI_4 + in;
         if (by_y < M_PI_2)
             expect_place(middle, 1, 1 - 0.15 * cos(by_y), 1 - 0.15 * sin(by_y), exact);

@@ -405,9 +405,9 @@ static void one_window_beside_others(void **state)
         assert_true(w.b0[i] == from[i] && w.b1[i] == to[i] && w.source[i] == (i != 1));
 }
 
-/* Uses three linear windows and the window of a point. At both ends of a linear window, its
- * distances are shorter than those of the point's window; between the ends they are longer. This
- * gives the largest possible number of parts, so the block must grow. */
+/* Uses three linear windows and the window of a point. At both ends of a linear window, the linear
+ * window gives shorter distances than the point's window; in the middle it gives longer distances.
+ * This gives the largest possible number of parts, so the block must grow. */
 static void one_window_may_leave_thirteen_parts(void **state)
 {
     (void)state;
