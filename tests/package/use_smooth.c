@@ -1,5 +1,6 @@
-/* A program in C and C++ that uses libgeodesic-smooth. It computes the distance of two opposite
- * corners of a unit square on the square's limit surface, which passes through the corners. */
+/* A program in C and C++ that uses libgeodesic-smooth. It computes the distance between two
+ * opposite corners of a unit square, on the limit surface of the square. The limit surface passes
+ * through the corners. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -291,8 +291,8 @@ static void traces(uint64_t number, struct exact_tally *tally)
 /* --- log, exp and transport ------------------------------------------------------------------- */
 
 /* Checks that exp of the log ends where the path ends. In graded patches, checks only that exp
- * succeeds. There, lines pass the apex at distances of 1e-20, and a direction in double precision
- * does not determine the side on which a line passes. */
+ * succeeds. There, lines pass the apex at distances of 1e-20. A direction in double precision does
+ * not determine the side on which such a line passes. */
 static void check_exp(struct exact_unit *unit, const struct gd_log *log,
                       const struct gd_point *from, const struct gd_point *to)
 {

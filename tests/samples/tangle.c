@@ -1,6 +1,7 @@
 /* Makes small random surfaces by a random walk. Each step keeps the surface a 2-manifold. A step
- * splits an edge or a face, flips an edge unless the new edge exists, or removes a face if the
- * other faces at each of its corners remain one fan. */
+ * splits an edge or a face, flips an edge, or removes a face. It flips no edge if the new edge
+ * exists already. It removes a face only if the other faces at each of its corners remain one
+ * fan. */
 #include <math.h>
 
 #include "gd/vec.h"
