@@ -19,7 +19,8 @@ struct allocator_order {
     unsigned long nth; /* the number of the call that fails, from 1; 0 selects no call by number */
     bool fresh;        /* makes the first call fail whose call path has not failed yet */
     bool lasting;      /* also makes all later calls fail */
-    /* if `fresh`, XX */
+    /* if `fresh`, two sorts of new call paths fail: every step-th one, and each one whose call site
+     * has not failed yet; 0 means 1 */
     uint32_t step;
 };
 

@@ -267,8 +267,8 @@ static inline void check_maps(const struct gd_mesh *mesh, const struct gd_cut_pi
 }
 
 /* Checks that
- * - the areas of the pieces, and of the meshes built from them, sum to the mesh's area (the latter
- *   to a relative error of `relative`);
+ * - the areas of the pieces sum to the mesh's area, and so do the areas of the meshes built from
+ *   them (with a relative error of at most `relative`);
  * - each piece is one component without flipped faces;
  * - the maps lead to vertices of the parent at the same positions, and to its faces;
  * - each border of a piece lies on the mesh's boundary or has a twin that runs the opposite way;
