@@ -123,8 +123,8 @@ class Contract:
         self.document = document
         self.operations = [Operation(document, path, method, item, item[method])
                            for path, item in document["paths"].items() for method in METHODS if method in item]
-        # sorts paths with few parameters first, so that of two matching paths the one with more
-        # literal names is found
+        # paths with few parameters come first, so that a path with a literal name is found before a
+        # path with a parameter in its place
         self.paths = sorted({each.path for each in self.operations}, key=lambda path: path.count("{"))
         self.patterns = [(path, re.compile(re.sub(r"\{\w+\}", "[^/]+", path))) for path in self.paths]
         self.by_place = {(each.path, each.method): each for each in self.operations}

@@ -47,8 +47,8 @@ def counted(daemon):
 
 
 def ask(daemon, name, count, number):
-    """Queries a new source until its field is built; returns the seconds of the query that builds
-    it."""
+    """Queries a new source until its field is built; returns the duration of the last query, which
+    builds the field."""
     source, target = f"f:{STRIDE * number % count}:0.2,0.3,0.5", (STRIDE * number + count // 2) % count
     daemon.ask_often(name, source)
     begin = time.monotonic()

@@ -40,7 +40,7 @@ class Lanes(TestCase):
         return self.daemon.get(f"/v1/meshes/slow/distance?from=v:{source}&to=v:{66000 - source}{options}")
 
     def ask_for_a_field(self, source):
-        """Sends the slowest query, which is the query for which a field is built."""
+        """Sends the slowest query: the one for which the daemon builds a field."""
         self.daemon.ask_often("slow", f"v:{source}")
         return self.ask(source)
 

@@ -96,8 +96,8 @@ class Vectors(TestCase):
 
     def test_the_cut_locus(self):
         """Between the poles of a ball, several paths are equally short. The answers of vectors and
-        means report this. To a point next to the second pole, only one path is shortest, and its
-        direction changes discontinuously around this pole."""
+        means report this. A point next to the second pole has only one shortest path. The direction
+        of this path jumps if the point moves across the pole."""
         pole, antipode = {"xyz": [0, 0, 1]}, {"xyz": [0, 0, -1]}
         beside = [{"xyz": [x, y, -1]} for x, y in ((0.1, 0.03), (-0.1, -0.02))]
         [vector, *others] = self.asked("ball", "log", {"from": pole, "to": [antipode, *beside]})["vectors"]

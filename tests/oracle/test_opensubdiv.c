@@ -91,9 +91,10 @@ static double inside(struct rng *rng)
     return rng_between(rng, 0.02, 0.98);
 }
 
-/* Returns the sign of OpenSubdiv's second derivatives. OpenSubdiv 3.5 gives them the wrong sign in
- * the middle one of four triangles, whose axes are turned by half a turn. The engine's second
- * derivatives agree with finite differences of first derivatives (test_evaluate.c). */
+/* Returns the sign of OpenSubdiv's second derivatives. A refined triangle has four children. In the
+ * middle child, whose axes are turned by half a turn, OpenSubdiv 3.5 gives the wrong sign. The
+ * engine's second derivatives agree with finite differences of first derivatives
+ * (test_evaluate.c). */
 static double sign_of(const struct gd_limit_jet *ours, const struct gd_limit_jet *theirs)
 {
     return gd_vec3_dot(ours->dvv, theirs->dvv) < 0 ? -1 : 1;

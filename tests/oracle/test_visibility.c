@@ -52,7 +52,7 @@ static void test_concave(void **state)
 }
 
 /* Solves the same scenes as surfaces by unfolding. The two solvers share no data. The visibility
- * graph gets only the polygons in the plane. The other solver gets only the surface with its
+ * graph gets only the polygons in the plane. The solver by unfolding gets only the surface with its
  * prisms. */
 static void test_against_unfolding(void **state)
 {

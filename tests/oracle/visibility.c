@@ -47,9 +47,9 @@ static bool is_inside(const struct visibility_scene *scene, uint32_t polygon, co
     return inside;
 }
 
-/* Returns whether b is visible from a. A corner on the segment hides b, because the visibility
- * graph has the path through the corner as two segments. If no side crosses the segment and no
- * corner lies on it, the segment is inside an obstacle exactly if its midpoint is inside. */
+/* Returns whether b is visible from a. If a corner lies on the segment, b counts as hidden, because
+ * the visibility graph has the two segments that end at the corner. If no side crosses the segment
+ * and no corner lies on it, the segment is inside an obstacle exactly if its midpoint is inside. */
 static bool is_visible(const struct visibility_scene *scene, const double a[2], const double b[2])
 {
     double middle[2] = {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])};

@@ -239,8 +239,8 @@ static void lines_in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Tests the two boundaries of a cylinder. Also tests a request whose curve is not the curve from
- * which the field was built. */
+/* Tests the two boundaries of a cylinder. Also tests a request for one curve with the field of
+ * another curve. */
 static void boundaries(void **state)
 {
     (void)state;

@@ -155,9 +155,9 @@ static double widest_of_ours(const struct scene *scene, uint32_t count)
 
 /* --- the figure ------------------------------------------------------------------------------- */
 
-/* Checks that FINER times as many samples make the spline's gaps FINER times as small, while the
- * projection to nearest points has wide gaps. Also checks that a projection along a view direction
- * misses the surface, has wide gaps, or hits a part in front of the points. */
+/* Checks that with FINER times as many samples the spline's gaps shrink by the factor FINER, while
+ * the projection to nearest points keeps wide gaps. Also checks that a projection along a view
+ * direction misses the surface, has wide gaps, or hits a part in front of the points. */
 static void check(struct scene *scene)
 {
     static const struct gd_vec3 views[2] = {{0.6, 0, -0.8}, {0, 0.8, -0.6}};

@@ -1,6 +1,6 @@
 /* Tests segments as sources. Compares distances to curves with closed forms and with fields in the
- * opposite direction. The distance of a point from a curve must equal the minimum of the point's
- * own field along the curve. */
+ * opposite direction. Also builds a field from a point: its minimum along a curve must equal the
+ * distance of the point from the curve. */
 #include "tests/support/test.h"
 
 #include <math.h>

@@ -14,8 +14,8 @@ static double lattice_value(uint64_t seed, uint32_t octave, uint32_t i, uint32_t
     return rng_between(&rng, -1, 1);
 }
 
-/* Returns an octave's noise at (x,y) in the unit square: bilinear interpolation on a lattice of
- * 2^(octave + 1) cells per side. */
+/* Returns the noise of one octave at (x,y) in the unit square. Interpolates bilinearly on a lattice
+ * with 2^(octave + 1) cells per side. */
 static double noise(uint64_t seed, uint32_t octave, double x, double y)
 {
     double cells = ldexp(1, (int)octave + 1), u = x * cells, v = y * cells;

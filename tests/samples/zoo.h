@@ -78,8 +78,8 @@ zoo_maker zoo_tangle;
 /* seed, ratio: two tangles. The second one is scaled by `ratio`. */
 zoo_maker zoo_assembly;
 
-/* columns, length: a fine grid of size 1 with one more face at its side, whose tip is at x =
- * length. */
+/* columns, length: a fine grid of size 1, and one more face at its side; the tip of this face is at
+ * x = length. */
 zoo_maker zoo_spike;
 
 #endif

@@ -69,8 +69,8 @@ void main() {
 }`;
 
 /**
- * Multiplies each colour by the mean occlusion of the pixels of a 4 x 4 block that have a similar
- * depth.
+ * Multiplies each colour by a mean occlusion. The mean covers those pixels of a 4 x 4 block whose
+ * depth is similar.
  */
 const SHADE = `
 #include <packing>

@@ -205,7 +205,7 @@ static inline uint32_t distinct(struct place *places, uint32_t count)
 /* --- what holds for every cut ----------------------------------------------------------------- */
 
 struct seam {
-    /* number of pairs of borders, and number of ends of these borders except ends on the mesh's
+    /* number of pairs of borders; number of ends of these borders, without ends on the mesh's
        boundary */
     uint32_t edges, vertices;
     double rest; /* total length of borders without a twin */

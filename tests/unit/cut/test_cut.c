@@ -315,8 +315,8 @@ static void random_curves_on_tangles(void **state)
     assert_true(cuts > 100 && flat == 0);
 }
 
-/* In a face flatter than 1e-5, most points are too close to the border for a curve to pass through
- * them. The engine refuses some of the random curves. */
+/* In a face flatter than 1e-5, most points are so close to the border that a curve can't pass
+ * through them. The engine refuses some of the random curves. */
 static void random_curves_on_slivers(void **state)
 {
     (void)state;

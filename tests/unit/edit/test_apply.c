@@ -38,8 +38,8 @@ static void origins_go_back_to_the_first_mesh(void **state)
     assert_true(farthest_origin(mesh, &edited) < 1e-12);
     for (uint32_t i = 0; i < edited.polygons.position_count; i++)
         assert_in_range(edited.origins[i].face, 80, 159);
-    /* the first sphere is removed; the largest distance is that of its farthest point from the
-     * other sphere */
+    /* the first sphere is removed; the largest distance is the distance from its farthest point to
+     * the other sphere */
     assert_true(edited.largest_distance > 6 && edited.largest_distance < 9);
     gd_edited_free(&edited);
     gd_mesh_release(mesh);

@@ -177,8 +177,8 @@ static void random_points_have_one_path(void **state)
     }
 }
 
-/* Two paths that differ only in the side on which they pass a flat vertex are one path. This path
- * is counted once, however close the target is to the vertex. */
+/* Two paths count as one if one passes a flat vertex on the left, the other on the right, and
+ * nothing else differs, however close the target is to the vertex. */
 static void next_to_a_vertex(void **state)
 {
     (void)state;

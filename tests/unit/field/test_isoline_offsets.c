@@ -39,7 +39,7 @@ static double straight_length(const struct gd_isoline *isoline)
 }
 
 /* Checks that the isoline is a single closed line of this length, and that its straight segments
- * have the total length `straight`. Near the end of a straight segment, the arc that follows
+ * have the total length `straight`. A straight segment is followed by an arc, which at first
  * differs from the line only in second order. The total length of straight segments is therefore
  * known only to 1e-6. Returns the relative error of the length. */
 static double check_offset(const struct gd_field *field, double level, double length,

@@ -40,8 +40,8 @@ static void common_turns(void **state)
     assert_int_equal(gd__turn_both(&a, &c).count, 0);
 }
 
-/* Each end of an uncovered span has the number of the member that covers the angles beyond this
- * end. */
+/* Beyond each end of an uncovered span, some member covers the angles. The end has the number of
+ * this member. */
 static void uncovered_spans(void **state)
 {
     (void)state;

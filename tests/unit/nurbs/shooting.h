@@ -114,8 +114,8 @@ static inline bool shoot_at(const struct gd_parametric *surface, const double fr
         shooting_jet(surface, at, &x);
         struct gd_vec3 miss = gd_vec3_along(gd_vec3_scale(x.u, r[0]), r[1], x.v);
         if (gd_vec3_length(miss) <= 1e-8 * *length) {
-            /* the error along the path corrects the length; the error across it has an effect of
-             * second order */
+            /* the error along the path is subtracted from the length; the error across the path
+             * changes the length only in second order */
             struct gd_vec3 t = gd_vec3_along(gd_vec3_scale(x.u, velocity[0]), velocity[1], x.v);
             *length -= gd_vec3_dot(miss, t);
             return true;

@@ -200,7 +200,7 @@ static void path_ends_near_a_knot_line(void **state)
     close_scene(&scene);
 }
 
-/* A straight line in the domain is given once by two points and once by two hundred collinear
+/* A straight line in the domain is given in two ways: by two points, and by two hundred collinear
  * corners. The paths are equal. */
 static void collinear_corners_do_not_matter(void **state)
 {

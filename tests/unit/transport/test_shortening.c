@@ -106,8 +106,8 @@ static void closed_geodesics(void **state)
     assert_true(shortening.is_geodesic && shortening.curve.closed);
     check_curve(tube.mesh, &shortening.curve, 1);
     gd_shortening_free(&shortening);
-    /* if the number of rounds is given, Birkhoff's method runs: it converges more slowly, and the
-     * length stays above the limit */
+    /* if the number of rounds is given, Birkhoff's method runs; it converges more slowly, so the
+     * length is still above the limit */
     shortening = shorten(tube.mesh, &curve, 100);
     double length = gd_curve_length(tube.mesh, &shortening.curve);
     assert_true(length > 48 * sin(M_PI / 24) && length < 48.2 * sin(M_PI / 24));

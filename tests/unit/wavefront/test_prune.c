@@ -156,8 +156,8 @@ static void agrees_with_the_model(void **state)
     gd__stack_destroy(&list);
 }
 
-/* Tests windows that equal stored windows. They are removed if the own side stores the equal
- * window, and kept if the twin stores it. Otherwise a tie would remove both windows. */
+/* Tests windows that equal a stored window. If their own side stores it, they are removed; if the
+ * twin stores it, they are kept. If both sides removed them, a tie would leave no window. */
 static void ties(void **state)
 {
     (void)state;

@@ -80,8 +80,8 @@ static void deletes_lazily(void **state)
     assert_int_equal(queue->size, 0);
 }
 
-/* A node that returns to the bucket of its stale entry has two entries there, but is popped
- * once. */
+/* If a node returns to the bucket of its stale entry, this bucket has two entries of the node, but
+ * the node is popped once. */
 static void a_stale_entry_does_not_pop_twice(void **state)
 {
     (void)state;
