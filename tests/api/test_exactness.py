@@ -133,8 +133,8 @@ class Recorded(Asking):
         self.each(lambda case: "set" in case, self.check_set)
 
     def test_rounded_vertices(self):
-        """Tests the triangle inequality for a source close to a vertex: the distance from the
-        source is at most the distance from the vertex plus the distance between source and
+        """Tests the triangle inequality for a source close to a vertex. The distance from the
+        source is at most the sum of two distances: from the vertex, and between source and
         vertex."""
         self.each(lambda case: "beside_vertex" in case, self.check_rounded_vertex)
 

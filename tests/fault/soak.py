@@ -6,8 +6,8 @@ time, and watches memory, descriptors and threads. Prints the series; --svg also
 
 The daemon is warm once the memory budget has been used up, but not before the first quarter. From
 then on, the test measures the slope of resident memory (by least squares) and the numbers of
-threads and descriptors. At the end everything is removed and the clients leave; the remaining
-resources are compared with those before the clients came.
+threads and descriptors. At the end everything is removed and the clients leave. The resources that
+the daemon then holds are compared with those before the clients came.
 """
 import argparse
 import collections

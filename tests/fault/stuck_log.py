@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Tests an unread log. Standard error is a pipe, a socket (as under systemd) or a stopped terminal,
 and the test stops reading it once the daemon listens. Requests and /livez are answered
-nevertheless, and SIGTERM ends the daemon; the log, when it is read later, contains the exact number
-of missing lines.
+nevertheless, and SIGTERM ends the daemon. The log, which is read later, states the exact number of
+missing lines.
 
     tests/fault/stuck_log.py [--requests N]
 """

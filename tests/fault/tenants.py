@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Measures how long one tenant's queries take, alone and during another tenant's flood of jobs and
-of waiting requests.
+"""Measures how long one tenant's queries take: alone, while another tenant floods the daemon with
+jobs, and while it floods the daemon with waiting requests.
 
     tests/fault/tenants.py [--count N] [--short]
 

@@ -2,8 +2,8 @@
  * and the client sends the other bytes. One kind of client then shuts its side down at once. The
  * other kind sends one more request, after which the daemon closes the connection. It shuts its
  * side down only if the daemon sends nothing for a while. For any input the daemon closes the
- * connection in the end; its output begins with a line of HTTP/1.1 and never has status 500; and it
- * continues to answer /livez. This covers the library, checks, router, handlers, workers and
+ * connection in the end, and continues to answer /livez. Its output begins with a line of HTTP/1.1
+ * and never has status 500. This covers the library, checks, router, handlers, workers and
  * engine. */
 #include <arpa/inet.h>
 #include <errno.h>

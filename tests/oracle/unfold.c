@@ -236,8 +236,8 @@ static real distance_to_segment(struct place a, struct place b)
     return hypotl(a.x + t * d.x, a.y + t * d.y);
 }
 
-/* Returns whether, for every point of the edge, a path through the cone is longer than a known path
- * to this point. */
+/* Returns whether every path through the cone to a point of the edge is longer than a known path to
+ * this point. */
 static bool is_hopeless(const struct unfold_mesh *mesh, const struct cone *cone)
 {
     real length = hypotl(cone->at_left.x - cone->at_right.x, cone->at_left.y - cone->at_right.y);

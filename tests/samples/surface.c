@@ -102,8 +102,8 @@ uint32_t surface_valence(const struct surface *surface, uint32_t vertex)
     return count;
 }
 
-/* Returns whether the edge may be collapsed: its ends have exactly two common neighbours, the
- * apexes of its faces, and both apexes keep at least three faces. */
+/* Returns whether the edge may be collapsed. Its ends must have exactly two common neighbours,
+ * which are the apexes of its faces, and both apexes must keep at least three faces. */
 static bool may_collapse(const struct surface *surface, uint32_t slot)
 {
     uint32_t a = surface->corners[slot], b = surface_destination(surface, slot), common = 0;

@@ -98,8 +98,9 @@ export class Handles {
   }
 
   /**
-   * Returns the surface point at a pixel. Beside the surface, returns the first surface point on
-   * the line to the middle of the surface, so that a dragged point glides along the outline.
+   * Returns the surface point at a pixel. If the pixel is beside the surface, returns the first
+   * surface point on the line to the middle of the surface, so that a dragged point glides along
+   * the outline.
    */
   private towardsMiddle(pixel: Pixel): Place | null {
     const middle = this.scene.middle;

@@ -47,8 +47,8 @@ static void topology_and_origins_are_kept(void **state)
     check_sample("terrain", (double[SAMPLE_PARAMETERS]){40, 0.4, 7}, 700);
 }
 
-/* Compares the distance with a closed form: with four times as many faces, a sphere has a quarter
- * of the distance. A flat mesh has distance 0. */
+/* Compares the distance with a closed form: with four times as many faces, a simplified sphere has
+ * a quarter of the distance. A flat mesh has distance 0. */
 static void the_distance_is_that_of_the_surface(void **state)
 {
     (void)state;

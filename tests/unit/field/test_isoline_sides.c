@@ -91,8 +91,8 @@ static struct by_face sort_arcs(const struct gd_mesh *mesh, const struct gd_isol
     return sorted;
 }
 
-/* Checks that the segment between two points of a face crosses the isoline an odd number of times
- * if and only if exactly one of them is below the level. */
+/* Counts how often the segment between two points of a face crosses the isoline. The number must be
+ * odd if exactly one of the points is below the level, and even otherwise. */
 static void check_sides(const struct gd_field *field, const struct gd_isoline *isoline,
                         struct rng *rng)
 {

@@ -40,8 +40,8 @@ static void common_turns(void **state)
     assert_int_equal(gd__turn_both(&a, &c).count, 0);
 }
 
-/* Beyond each end of an uncovered span, some member covers the angles. The end has the number of
- * this member. */
+/* If a member covers the angles beyond an end of an uncovered span, this end has the member's
+ * number. */
 static void uncovered_spans(void **state)
 {
     (void)state;

@@ -165,8 +165,8 @@ static inline void shooting_curve(const struct gd_domain_curve *curve, double s,
     for (int k = 0; k < 2; k++) first[k] = (after[k] - before[k]) / (2 * h);
 }
 
-/* Returns 1 if `place`, which is close to the curve's point at `s`, is to the left of the curve's
- * direction about the surface's normal, otherwise -1. */
+/* Returns 1 if `place` lies to the left of the curve, as seen from the tip of the surface's normal,
+ * otherwise -1. `place` must be close to the curve's point at `s`. */
 static inline double shooting_side(const struct gd_domain_curve *curve, double s,
                                    const double place[2])
 {

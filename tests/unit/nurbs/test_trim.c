@@ -164,8 +164,9 @@ static void around_a_reflex_corner(void **state)
     close_scene(&scene);
 }
 
-/* Returns the length of the path that runs clockwise around the first circle and counter-clockwise
- * around the second: tangent, arc, inner common tangent, arc, tangent. */
+/* Returns the length of the path that runs clockwise around the first circle, and then
+ * counter-clockwise around the second. Its parts are a tangent, an arc, the inner common tangent,
+ * an arc and a tangent. */
 static double between_circles(const double p[2], const double q[2], const double c[2][2],
                               const double r[2])
 {
