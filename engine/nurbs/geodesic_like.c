@@ -328,9 +328,9 @@ static double ends_apart(const struct solving *solving, const struct gd__candida
     return sum;
 }
 
-/* Joins the family of a candidate with the families of earlier candidates. In each family, only the
- * member with the nearest ends is compared, because paths between close members are easy to
- * find. */
+/* Joins the family of a candidate with the families of earlier candidates. Of each family,
+ * only the member whose ends are nearest to the candidate's ends is compared, because a path
+ * between two members is easy to find if they are close. */
 static enum gd_status join_families(const struct solving *solving, uint32_t candidate)
 {
     struct gd__candidate *items = solving->candidates.items;

@@ -129,8 +129,8 @@ bool server_loader_join(struct server_loader *loader, const struct server_record
     return load_park(loader, record, job);
 }
 
-/* Ends a load. If memory is short, refuses the parked jobs. Otherwise resumes them, because the
- * cause of another failure may not concern them. */
+/* Ends a load. If it failed because memory is short, refuses the parked jobs. After success or any
+ * other failure, resumes them, because what made this load fail may not affect them. */
 static void load_end(struct load *load, enum server_loader_outcome outcome)
 {
     struct server_loader *loader = load->loader;

@@ -520,7 +520,7 @@ struct change {
     /* the new caption; NULL means that the caption does not change */
     const char *caption;
     struct server_record *amended; /* the record with the new caption, after it was made */
-    /* the condition; NULL means that the key must have this record */
+    /* the condition; NULL means that the key must still have the record of `surface` */
     const struct server_precondition *precondition;
     struct slot *slot,
         *left; /* slot: the slot to insert; left: the replaced or removed slot; both may be NULL */
@@ -535,8 +535,8 @@ bool server_registry_allows(const struct server_precondition *precondition,
     return server_precondition_allows(precondition, record->etag, caption);
 }
 
-/* Stores a copy of the current record with the new caption. `*version` is used as by the store's
- * function put. */
+/* Stores a copy of the current record with the new caption. `*version` is the known version of the
+ * key, or 0, and becomes the new version (see `put` in store.h). */
 static enum server_outcome change_amend(struct server_store *store, struct change *change,
                                         const struct server_record *present, uint64_t *version)
 {
