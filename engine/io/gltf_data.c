@@ -199,7 +199,7 @@ enum gd_status gd__gltf_accessor_count(const struct gd__gltf *gltf, uint32_t val
     if (count > bytes && gd__json_member(&gltf->json, value, "bufferView") == GD__NO_VALUE)
         return gd__gltf_fail(gltf, value, GD_SYNTAX,
                              "the accessor has no 'bufferView', and more elements than the file "
-                             "has bytes");
+                             "has bytes; store its data in the file");
     *out = (uint32_t)count;
     return GD_OK;
 }

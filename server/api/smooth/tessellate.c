@@ -253,13 +253,21 @@ static size_t discretization_bytes(const struct gd_discretization *made)
            gd_polygons_corner_count(polygons) * sizeof *polygons->corners;
 }
 
+/* number of places that are copied between two checks of the control */
+#define COPY_PLACES ((size_t)1 << 16)
+
 static enum gd_status discretize_write(const struct meshing *meshing,
                                        const struct gd_control *control, struct head *head)
 {
-    const struct gd_discretization *made = &meshing->discretization;
-    memcpy(attachment_items(&limit_format, head), made->places,
-           made->polygons.position_count * sizeof *made->places);
-    return gd_control_check(control, 0);
+    const struct gd_limit_point *from = meshing->discretization.places;
+    struct gd_limit_point *to = attachment_items(&limit_format, head);
+    size_t count = meshing->discretization.polygons.position_count;
+    enum gd_status status = GD_OK;
+    for (size_t i = 0; !status && i < count; i += COPY_PLACES) {
+        memcpy(to + i, from + i, (count - i < COPY_PLACES ? count - i : COPY_PLACES) * sizeof *to);
+        status = gd_control_check(control, 0);
+    }
+    return status;
 }
 
 static enum server_query_turn discretize_solve(struct server_query *query)
