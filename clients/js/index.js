@@ -146,6 +146,12 @@ function isBytes(body) {
   return typeof body === "string" || body instanceof ArrayBuffer || ArrayBuffer.isView(body) || body instanceof Blob;
 }
 
+/* For JSON.stringify, which would write null for a number that is not finite. */
+function onlyFinite(name, value) {
+  if (typeof value === "number" && !Number.isFinite(value)) throw new TypeError(`${name}: ${value} is not a finite number`);
+  return value;
+}
+
 function toQuery(query = {}) {
   const entries = Object.entries(query).filter(([, value]) => value !== undefined);
   return entries.length ? "?" + new URLSearchParams(entries.map(([name, value]) => [name, String(value)])) : "";
@@ -567,7 +573,7 @@ export class Client {
     // On one machine, compressing takes longer than sending the uncompressed bytes.
     if (this.#isNear) sent["Accept-Encoding"] ??= "identity";
     if (body !== undefined && !isBytes(body)) {
-      body = JSON.stringify(body);
+      body = JSON.stringify(body, onlyFinite);
       sent["Content-Type"] ??= "application/json";
     }
     const response = await this.#request(method, path + toQuery(query), { body, headers: sent, signal }, repeatable);

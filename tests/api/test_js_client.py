@@ -72,6 +72,7 @@ class JavaScriptClient(TestCase):
             for (const point of [2, "v:2", [1, 1, 0], { vertex: 2 }, "p:1,1,0", "e:1-2:1", "f:0:0,0,1", await square.nearest([1, 1, 7])])
               assert(Math.abs((await square.distance(0, point)) - Math.SQRT2) < 1e-12);
             assert.throws(() => geodesicd.toPoint("w:2"), TypeError);
+            await assert.rejects(square.distance(0, [1, NaN, 0]), /NaN is not a finite number/);
             assert.deepEqual(await square.path(0, 1), { length: 1, points: [[0, 0, 0], [1, 0, 0]] });
             assert.equal(await square.distance(1, 3, { via: [0] }), 2);
             assert.deepEqual((await square.matrix([0, 1], [1, 0])).map((row) => [...row]), [[1, 0], [0, 1]]);

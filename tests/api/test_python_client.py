@@ -59,6 +59,8 @@ class Meshes(TestCase):
         for point in ("w:2", "v:x", "", (1.0, 2.0)):
             with self.assertRaises(ValueError, msg=point):
                 self.square.distance(0, point)
+        with self.assertRaisesRegex(ValueError, "not finite"):
+            self.square.distance(0, (1.0, float("nan"), 0.0))
 
     def test_path(self):
         path = self.square.path(1, 3)

@@ -83,7 +83,10 @@ class Transport:
         target = self._parts.path * (self._parts.scheme != "unix") + path + ("?" + urllib.parse.urlencode(fields) if fields else "")
         sent = {**self._headers, **(headers or {})}
         if body is not None and not isinstance(body, (bytes, bytearray, memoryview)):
-            body = json.dumps(body, allow_nan=False).encode()
+            try:
+                body = json.dumps(body, allow_nan=False).encode()
+            except ValueError as error:
+                raise ValueError("a number of the request is not finite (NaN or infinity)") from error
             sent.setdefault("Content-Type", "application/json")
         for attempt in range(self.retries + 1):
             connection = None
