@@ -26,7 +26,8 @@ class Point:
     def read(cls, answer: Mapping[str, Any]) -> "Point":
         """Reads a point of an answer."""
         known = {field.name: answer[field.name] for field in dataclasses.fields(cls) if answer.get(field.name) is not None}
-        return cls(**{name: tuple(value) if isinstance(value, list) else value for name, value in known.items()})
+        values: Dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in known.items()}
+        return cls(**values)
 
     def as_json(self) -> Dict[str, Any]:
         """Returns the most exact form of the point that a request can have."""
