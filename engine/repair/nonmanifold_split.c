@@ -2,7 +2,7 @@
  *
  * DESIGN. The first step decides which faces are joined at each edge (`neighbour`). The two faces
  * of an ordinary edge are joined. If an edge has more than two faces, they are joined in pairs
- * (face_pairing.h). The corners of a vertex that belong to joined faces form a fan. The fan with
+ * (see below). The corners of a vertex that belong to joined faces form a fan. The fan with
  * the lowest-numbered face keeps the vertex; each further fan gets a copy of the vertex. So edges
  * and vertices are split in one step.
  *
@@ -17,9 +17,96 @@
 #include "base/large.h"
 #include "mesh/edge_table.h"
 #include "mesh/orientation.h"
-#include "repair/repair.h"
-#include "repair/face_pairing.h"
 #include "mesh/union_find.h"
+#include "repair/repair.h"
+
+/* --- pairs of faces --------------------------------------------------------------------------- */
+
+/* Decides which faces stay joined at an edge of more than two faces.
+ *
+ * DESIGN. Where solids touch along an edge, or a wall stands on a plate, a path on the surface of a
+ * body should stay on that body. Look along the edge from its lower to its higher vertex, and go
+ * round it counter-clockwise. A face that runs forward along the edge has the outside of its body
+ * ahead and the inside behind; a backward face has the inside ahead. So the inside of a body
+ * extends from a backward face to the next forward face. These two faces bound the same body, and
+ * they stay joined. The pairs are found as matching brackets: each forward face takes the nearest
+ * free backward face before it.
+ *
+ * Only faces that run in opposite directions are joined, so no pair makes a surface one-sided.
+ * The remaining faces all run in the same direction. Each of them gets a border. */
+
+struct edge_face {
+    uint32_t side; /* the face's side at the edge */
+    /* true if the face, once oriented consistently, runs along the edge from the lower to the
+     * higher vertex */
+    bool forward;
+    struct gd_vec3 across; /* vector from the edge into the face, of any length except zero */
+    /* output: angle about the edge, counter-clockwise as seen against the edge's direction */
+    double angle;
+    /* output: the side of the face to which this face stays joined, or GD_NONE if the face gets a
+       border */
+    uint32_t partner;
+    uint32_t below; /* scratch */
+};
+
+/* Computes the angles of the faces, measured from the first face, in [0, 2 pi). */
+static void face_pairing_measure(struct edge_face *edge_face, uint32_t count, struct gd_vec3 along)
+{
+    struct gd_vec3 axis = gd_vec3_unit(along), first = gd_vec3_unit(edge_face[0].across);
+    for (uint32_t i = 0; i < count; i++) {
+        struct gd_vec3 across = gd_vec3_unit(edge_face[i].across);
+        double sine = gd_vec3_dot(gd_vec3_cross(first, across), axis);
+        double cosine =
+            gd_vec3_dot(first, across) - gd_vec3_dot(first, axis) * gd_vec3_dot(across, axis);
+        double angle = i == 0 ? 0 : atan2(sine, cosine);
+        edge_face[i].angle = angle < 0 ? angle + 2 * M_PI : angle;
+    }
+}
+
+/* Compares faces by angle. Among faces at the same angle, backward faces come first. So a backward
+ * and a forward face at the same angle become a pair with no space between them. */
+static int face_pairing_compare(const void *x, const void *y)
+{
+    const struct edge_face *a = x, *b = y;
+    if (a->angle != b->angle) return a->angle < b->angle ? -1 : 1;
+    if (a->forward != b->forward) return a->forward ? 1 : -1;
+    return a->side < b->side ? -1 : a->side > b->side;
+}
+
+static void face_pairing_join(struct edge_face *a, struct edge_face *b)
+{
+    a->partner = b->side;
+    b->partner = a->side;
+}
+
+/* Visits the faces twice, so that faces that still wait at the end are matched with faces at the
+ * beginning. */
+static void match(struct edge_face *edge_face, uint32_t count)
+{
+    /* top of the stack of waiting backward faces, which is linked through `below` */
+    uint32_t top = GD_NONE;
+    for (uint64_t i = 0; i < 2 * (uint64_t)count; i++) {
+        struct edge_face *s = &edge_face[i % count];
+        if (s->partner != GD_NONE) continue;
+        if (!s->forward && i < count) {
+            s->below = top;
+            top = (uint32_t)i;
+        } else if (s->forward && top != GD_NONE) {
+            face_pairing_join(s, &edge_face[top]);
+            top = edge_face[top].below;
+        }
+    }
+}
+
+/* Sorts the faces around an edge and pairs them. `along` is the direction of the edge. O(n log
+ * n). */
+static void edge_faces_pair(struct edge_face *edge_face, uint32_t count, struct gd_vec3 along)
+{
+    face_pairing_measure(edge_face, count, along);
+    for (uint32_t i = 0; i < count; i++) edge_face[i].partner = GD_NONE;
+    qsort(edge_face, count, sizeof *edge_face, face_pairing_compare);
+    match(edge_face, count);
+}
 
 struct splitting {
     struct gd__construction *work;
@@ -29,7 +116,7 @@ struct splitting {
     /* for each face, true if its orientation is opposite to that of most faces around it */
     uint8_t *flipped;
     /* the faces of one edge; the array has room for the edge with the most faces */
-    struct gd__edge_face *edge_face;
+    struct edge_face *edge_face;
     /* for each corner (numbered like the sides), a lower corner of the same fan; a union-find
        forest (union_find.h) */
     uint32_t *fan;
@@ -114,13 +201,13 @@ static void pair_edge_faces(struct splitting *s, const struct gd__edge_table *ta
         uint32_t side = table->use[run->begin + i].side;
         const uint32_t *corner = s->work->triangle[side / 3];
         bool forward = original(s, corner[side % 3]) == original(s, run->low);
-        s->edge_face[i] = (struct gd__edge_face){
+        s->edge_face[i] = (struct edge_face){
             .side = side,
             .forward = forward != (bool)s->flipped[side / 3],
             .across = gd_vec3_sub(split_position(s, corner[gd__previous_corner(side % 3)]), low),
         };
     }
-    gd__edge_faces_pair(s->edge_face, run->count, gd_vec3_sub(split_position(s, run->high), low));
+    edge_faces_pair(s->edge_face, run->count, gd_vec3_sub(split_position(s, run->high), low));
 }
 
 static enum gd_status pair_crowded(struct splitting *s, const struct gd__edge_table *table,
@@ -194,7 +281,7 @@ static enum gd_status detach_edge_faces(struct splitting *s, uint32_t low, uint3
 {
     enum gd_status status = GD_OK;
     for (uint32_t i = 1; i < count && !status; i++) {
-        const struct gd__edge_face *edge_face = &s->edge_face[i];
+        const struct edge_face *edge_face = &s->edge_face[i];
         if (edge_face->partner == s->edge_face[0].side || edge_face->partner < edge_face->side)
             continue;
         uint32_t *corner = find_corner(s, edge_face->side, low);
