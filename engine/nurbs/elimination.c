@@ -1,8 +1,51 @@
 #include "nurbs/elimination.h"
 
+#include <math.h>
 #include <string.h>
 
-#include "nurbs/band.h"
+#include "base/tolerance.h"
+
+/* --- band matrices ---------------------------------------------------------------------------- */
+
+/* Band: symmetric positive definite matrices of small bandwidth, factored by Cholesky's method. Row
+ * i of the lower triangle is stored as row[i * width + k] = A[i][i - k], k < width; entries before
+ * the first column are zero. Golub and Van Loan, Matrix Computations, section 4.3. */
+
+/* Factors A = L L^T in place. Returns false, with an undefined matrix, if a pivot is not clearly
+ * positive, given rounding errors. O(size width^2). */
+static bool band_factor(uint32_t size, uint32_t width, double *row)
+{
+    for (uint32_t i = 0; i < size; i++) {
+        double *a = row + (size_t)i * width, diagonal = a[0];
+        uint32_t reach = i < width - 1 ? i : width - 1;
+        for (uint32_t k = reach; k > 0; k--) {
+            const double *b = row + (size_t)(i - k) * width;
+            double sum = a[k];
+            for (uint32_t m = 1; k + m <= reach; m++) sum -= a[k + m] * b[m];
+            a[k] = sum / b[0];
+        }
+        double pivot = diagonal;
+        for (uint32_t k = 1; k <= reach; k++) pivot -= a[k] * a[k];
+        if (!(pivot > GD_TOL_PIVOT * fabs(diagonal))) return false;
+        a[0] = sqrt(pivot);
+    }
+    return true;
+}
+
+/* Solves L L^T x = b in place. O(size width). */
+static void band_solve(uint32_t size, uint32_t width, const double *row, double *b)
+{
+    for (uint32_t i = 0; i < size; i++) {
+        const double *a = row + (size_t)i * width;
+        for (uint32_t k = 1; k < width && k <= i; k++) b[i] -= a[k] * b[i - k];
+        b[i] /= a[0];
+    }
+    for (uint32_t i = size; i-- > 0;) {
+        const double *a = row + (size_t)i * width;
+        b[i] /= a[0];
+        for (uint32_t k = 1; k < width && k <= i; k++) b[i - k] -= a[k] * b[i];
+    }
+}
 
 /* Returns true if a coordinate is on a border and the descent direction points out of the
  * domain. */
@@ -53,7 +96,7 @@ static bool factor_interior(const struct gd__chain *chain, struct gd__part *part
             if (part->held[i] || part->held[i - k]) row[k] = k ? 0 : row[0];
         if (part->held[i]) row[0] = 1;
     }
-    return gd__band_factor(unknowns, width, part->factor);
+    return band_factor(unknowns, width, part->factor);
 }
 
 /* An end of the path can move along a curve. Returns the component of the curve's acceleration
@@ -118,7 +161,7 @@ bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *p
 {
     if (!elimination_reduce(chain, piece, kind, part)) return false;
     uint32_t unknowns = gd__piece_unknowns(chain, piece), width = gd__energy_width(chain);
-    gd__band_solve(unknowns, width, part->factor, part->solution[GD__PART_GRADIENT]);
+    band_solve(unknowns, width, part->factor, part->solution[GD__PART_GRADIENT]);
     for (int side = 0; side < 2; side++)
         part->reduced[side] =
             part->slope[side] - dot_free(part, unknowns,
@@ -127,7 +170,7 @@ bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *p
     for (int side = 0; side < 2; side++) {
         double *column = part->solution[side ? GD__PART_TO : GD__PART_FROM];
         memcpy(scratch, column, unknowns * sizeof *scratch);
-        gd__band_solve(unknowns, width, part->factor, column);
+        band_solve(unknowns, width, part->factor, column);
         part->schur[side][side] -= dot_free(part, unknowns, scratch, column);
         /* The mixed derivative is reduced by the product of the unsolved column of side 1 (in
          * `scratch`) and the solved column of side 0. */
