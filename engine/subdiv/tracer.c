@@ -5,13 +5,123 @@
 #include "base/tolerance.h"
 #include "subdiv/domain.h"
 
+/* --- flow ------------------------------------------------------------------------------------- */
+
+/* Gragg's modified midpoint rule, extrapolated: Hairer, Norsett, Wanner, Solving ordinary
+ * differential equations I, II.9. The right-hand side is smooth on the whole patch, so a method of
+ * high order is efficient: a patch usually takes one or two steps. */
+
+/* A place in the patch's coordinates, and its derivative by the path's arc length (the
+ * velocity). */
+struct flow_state {
+    double s, t, ds, dt;
+};
+
+/* Computes the components of a vector's tangential part along the two derivatives of a jet. Returns
+ * false if the derivatives are parallel. */
+static bool components_of(const struct gd__jet *jet, struct gd_vec3 vector, double out[2])
+{
+    /* uses cross products, because products of lengths lose more digits if the derivatives are
+       nearly parallel */
+    struct gd_vec3 normal = gd_vec3_cross(jet->s, jet->t);
+    double square = gd_vec3_dot(normal, normal);
+    if (!(square > 0)) return false;
+    out[0] = gd_vec3_dot(gd_vec3_cross(vector, jet->t), normal) / square;
+    out[1] = gd_vec3_dot(gd_vec3_cross(jet->s, vector), normal) / square;
+    return true;
+}
+
+/* Returns the sine of the angle between the derivatives. Rounding errors are multiplied by its
+ * inverse. */
+static double jet_sine(const struct gd__jet *jet)
+{
+    return gd_vec3_length(gd_vec3_cross(jet->s, jet->t)) /
+           (gd_vec3_length(jet->s) * gd_vec3_length(jet->t));
+}
+
+struct slope {
+    double v[4];
+    double sine;
+};
+
+static struct slope flow_slope_at(const struct gd__scheme *rules, const struct gd__patch *patch,
+                                  const double y[4])
+{
+    struct gd__jet jet;
+    double c[2];
+    rules->evaluate(patch, y[0], y[1], &jet);
+    struct gd_vec3 a = gd_vec3_scale(jet.ss, y[2] * y[2]);
+    a = gd_vec3_along(a, 2 * y[2] * y[3], jet.st);
+    a = gd_vec3_along(a, y[3] * y[3], jet.tt);
+    if (!components_of(&jet, a, c)) c[0] = c[1] = NAN;
+    return (struct slope){{y[2], y[3], -c[0], -c[1]}, jet_sine(&jet)};
+}
+
+static void midpoint(const struct gd__scheme *rules, const struct gd__patch *patch,
+                     const double from[4], const struct slope *first, double step, int parts,
+                     double out[4])
+{
+    double h = step / parts, before[4], now[4];
+    for (int i = 0; i < 4; i++) {
+        before[i] = from[i];
+        now[i] = from[i] + h * first->v[i];
+    }
+    for (int n = 1; n <= parts; n++) {
+        struct slope slope = flow_slope_at(rules, patch, now);
+        for (int i = 0; i < 4; i++) {
+            double next = n < parts ? before[i] + 2 * h * slope.v[i]
+                                    : (before[i] + now[i] + h * slope.v[i]) / 2;
+            before[i] = now[i];
+            now[i] = next;
+        }
+    }
+    for (int i = 0; i < 4; i++) out[i] = now[i];
+}
+
+enum { COLUMNS = 8 };
+
+/* Returns the largest difference of two states: of places relative to the patch, of velocities
+ * relative to the speed. */
+static double flow_difference(const double a[4], const double b[4])
+{
+    double speed = fmax(fabs(a[2]), fabs(a[3]));
+    double places = fmax(fabs(a[0] - b[0]), fabs(a[1] - b[1]));
+    return fmax(places, fmax(fabs(a[2] - b[2]), fabs(a[3] - b[3])) / speed);
+}
+
+/* Moves along the geodesic by the arc length `step`. Returns false if the error exceeds
+ * GD_TOL_GEODESIC divided by the sine of the angle between the derivatives. The caller must then
+ * try a shorter step. */
+static bool flow_advance(const struct gd__scheme *rules, const struct gd__patch *patch,
+                         const struct flow_state *from, double step, struct flow_state *out)
+{
+    double start[4] = {from->s, from->t, from->ds, from->dt}, row[COLUMNS][4];
+    struct slope first = flow_slope_at(rules, patch, start);
+    for (int k = 0; k < COLUMNS; k++) {
+        double last[4];
+        midpoint(rules, patch, start, &first, step, 2 * (k + 1), row[k]);
+        for (int i = 0; i < 4; i++) last[i] = k ? row[0][i] : 0;
+        /* Neville's scheme: row[j] becomes the extrapolation of columns j to k */
+        for (int j = k - 1; j >= 0; j--) {
+            double ratio = (double)(k + 1) / (j + 1), weight = 1 / (ratio * ratio - 1);
+            for (int i = 0; i < 4; i++)
+                row[j][i] = row[j + 1][i] + weight * (row[j + 1][i] - row[j][i]);
+        }
+        if (k > 1 && flow_difference(row[0], last) * first.sine <= GD_TOL_GEODESIC) {
+            *out = (struct flow_state){row[0][0], row[0][1], row[0][2], row[0][3]};
+            return true;
+        }
+    }
+    return false;
+}
+
 static const struct gd__scheme *rules_of(const struct gd__tracer *tracer)
 {
     return tracer->walker->surface->rules;
 }
 
 /* Moves a state that lies on line k up to rounding exactly onto this line. */
-static void tracer_settle(uint32_t arity, uint32_t k, struct gd__flow *flow)
+static void tracer_settle(uint32_t arity, uint32_t k, struct flow_state *flow)
 {
     double at[2], m = gd__along_side(arity, k, flow->s, flow->t);
     gd__place_on_side(arity, k, m, at);
@@ -22,20 +132,20 @@ static void tracer_settle(uint32_t arity, uint32_t k, struct gd__flow *flow)
  * border is moved onto the border. The velocity is computed from the direction in space at the
  * moved place. This matters near vertices: the base face's coordinates are imprecise there, and the
  * derivatives turn within a small piece as much as within a large one. */
-static struct gd__flow flow_in(const struct gd__tracer *tracer)
+static struct flow_state flow_in(const struct gd__tracer *tracer)
 {
     const struct gd__scheme *rules = rules_of(tracer);
     const struct gd__cell *piece = &tracer->walker->piece;
     struct gd__jet jet;
     double at[2], move[2] = {NAN, NAN};
     gd__chart_in(&piece->frame, tracer->local.s, tracer->local.t, at);
-    struct gd__flow flow = {.s = at[0], .t = at[1]};
+    struct flow_state flow = {.s = at[0], .t = at[1]};
     for (uint32_t k = 0; k < rules->arity; k++) {
         if (fabs(gd__line_at(rules->arity, k, flow.s, flow.t)) <= piece->slack)
             tracer_settle(rules->arity, k, &flow);
     }
     rules->evaluate(&piece->patch, flow.s, flow.t, &jet);
-    (void)gd__components(&jet, tracer->direction, move);
+    (void)components_of(&jet, tracer->direction, move);
     flow.ds = move[0], flow.dt = move[1];
     return flow;
 }
@@ -48,7 +158,7 @@ static void set_direction(struct gd__tracer *tracer, struct gd_vec3 vector)
     tracer->dt /= length;
 }
 
-static void flow_out(struct gd__tracer *tracer, const struct gd__flow *flow)
+static void flow_out(struct gd__tracer *tracer, const struct flow_state *flow)
 {
     struct gd__chart frame = tracer->walker->piece.frame;
     double at[2], move[2];
@@ -86,7 +196,7 @@ static enum gd_status tracer_enter(struct gd__tracer *tracer, struct gd_vec3 dir
         return gd__tracer_leave_vertex(tracer, tracer->local.face, corner, direction);
     struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->local.s, tracer->local.t);
     tracer->position = jet.p;
-    if (!gd__components(&jet, direction, c)) return end_here(tracer);
+    if (!components_of(&jet, direction, c)) return end_here(tracer);
     tracer->ds = c[0], tracer->dt = c[1];
     struct gd_vec3 vector = gd_vec3_along(gd_vec3_scale(jet.s, c[0]), c[1], jet.t);
     if (!(gd_vec3_length(vector) > GD_TOL_INPUT * gd_vec3_length(direction)))
@@ -187,7 +297,7 @@ static enum gd_status hand_over(struct gd__tracer *tracer)
 
 /* Returns the number of the side beyond whose line the state lies farthest, or GD_NONE if the state
  * is inside the domain. */
-static uint32_t line_beyond(uint32_t arity, const struct gd__flow *flow)
+static uint32_t line_beyond(uint32_t arity, const struct flow_state *flow)
 {
     uint32_t found = GD_NONE;
     double lowest = -GD_TOL_PATCH;
@@ -200,8 +310,8 @@ static uint32_t line_beyond(uint32_t arity, const struct gd__flow *flow)
 
 /* Returns the step, in (0, step], at which the path crosses line k, by Newton's method within a
  * bracket. Sets *end to the state there. `from` must be on the inner side of the line. */
-static double step_to_line(struct gd__tracer *tracer, const struct gd__flow *from, double step,
-                           uint32_t k, struct gd__flow *end)
+static double step_to_line(struct gd__tracer *tracer, const struct flow_state *from, double step,
+                           uint32_t k, struct flow_state *end)
 {
     uint32_t arity = rules_of(tracer)->arity;
     double low = 0, high = step, at = step;
@@ -212,14 +322,14 @@ static double step_to_line(struct gd__tracer *tracer, const struct gd__flow *fro
         *(height > 0 ? &low : &high) = at;
         at -= height / slope;
         if (!(at > low && at < high)) at = low + (high - low) / 2;
-        if (!gd__flow_advance(rules_of(tracer), &tracer->walker->piece.patch, from, at, end)) break;
+        if (!flow_advance(rules_of(tracer), &tracer->walker->piece.patch, from, at, end)) break;
     }
     return at;
 }
 
 /* Shortens a step that ends beyond the piece to its first crossing of the border. */
-static double step_to_border(struct gd__tracer *tracer, const struct gd__flow *from, double step,
-                             struct gd__flow *end, bool *at_border)
+static double step_to_border(struct gd__tracer *tracer, const struct flow_state *from, double step,
+                             struct flow_state *end, bool *at_border)
 {
     uint32_t arity = rules_of(tracer)->arity, k;
     double least = GD_TOL_PATCH * step;
@@ -237,7 +347,7 @@ static double step_to_border(struct gd__tracer *tracer, const struct gd__flow *f
         /* the path left the line and returned to it, so half of the step may still be inside */
         if (height <= GD_TOL_PATCH) {
             step /= 2;
-            if (!gd__flow_advance(rules_of(tracer), &tracer->walker->piece.patch, from, step, end))
+            if (!flow_advance(rules_of(tracer), &tracer->walker->piece.patch, from, step, end))
                 return 0;
             *at_border = false;
             continue;
@@ -266,7 +376,7 @@ static enum gd_status meet_vertex(struct gd__tracer *tracer, double most, bool *
      * spike's axis, which meets the tip */
     if (isnan(vertex.normal.x)) {
         struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->local.s, tracer->local.t);
-        width *= gd__sine(&jet);
+        width *= jet_sine(&jet);
     }
     bool near = width <= GD_TOL_VERTEX * tracer->walker->surface->size || scale < ldexp(1, -40);
     if (!near || length > most || gd_vec3_dot(way, tracer->direction) <= 0) return GD_OK;
@@ -285,9 +395,9 @@ enum gd_status gd__tracer_step(struct gd__tracer *tracer, double most, double *l
         tracer->skipped = 0;
     }
     if (status || met) return status;
-    struct gd__flow from = flow_in(tracer), end;
+    struct flow_state from = flow_in(tracer), end;
     double speed = fmax(fabs(from.ds), fabs(from.dt)), step = fmin(most, 1 / speed);
-    while (!gd__flow_advance(rules, &tracer->walker->piece.patch, &from, step, &end)) {
+    while (!flow_advance(rules, &tracer->walker->piece.patch, &from, step, &end)) {
         step /= 2;
         if (!(step * speed > GD_TOL_PATCH)) return GD_INTERNAL;
     }

@@ -10,7 +10,6 @@
 #define GD_SUBDIV_TRACER_H
 
 #include "gd/limit_path.h"
-#include "subdiv/flow.h"
 #include "subdiv/walker.h"
 
 struct gd__tracer {
