@@ -9,7 +9,7 @@
 
 struct gd__ring_corner {
     double x, y;  /* in the plane */
-    double score; /* the corner with the best score is cut off next, see ear.c */
+    double score; /* the corner with the best score is cut off next, see triangulate.c */
     /* position relative to corner 0, in units of the polygon's extent, so that products neither
        overflow nor underflow */
     struct gd_vec3 position;
