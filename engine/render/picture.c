@@ -3,13 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/share.h"
-#include "render/depth_buffer.h"
-#include "render/layer.h"
 #include "render/legend.h"
 #include "render/request.h"
 #include "render/shade.h"
-#include "render/view.h"
 
 /* DESIGN. A picture is made in three steps. First the surface is rendered to an image with a depth
  * buffer. Then isolines and layers are projected and divided into visible and hidden parts. Finally
@@ -19,6 +15,142 @@
 enum { GRID = 4 };
 #define LINE_TOLERANCE 0.1  /* pixels */
 #define SUBJECT_MOST   4096 /* points of layers that should be visible */
+
+/* --- choice of a view ------------------------------------------------------------------------- */
+
+/* View: finds a direction from which most of a path, or of a set of points, is visible. */
+
+/* Positions on the surface, at least one, in the normalised unit; borrowed. */
+struct subject {
+    const struct gd_vec3 *points;
+    uint32_t count;
+    bool is_path; /* the points are a polyline */
+};
+
+#define ENOUGH 0.95 /* visible fraction at which the search stops */
+/* a view replaces the best one only if its visible fraction is larger by more than this */
+#define BETTER 0.05
+
+#define END_PART 0.1 /* weight of the visibility of each end */
+
+/* viewport in a picture of 240 x 180 pixels */
+static const struct gd__viewport sketch = {4, 4, 232, 172};
+
+struct angles {
+    double azimuth, elevation; /* degrees */
+};
+
+/* Views to try after iso, in order of their difference from iso. */
+static const struct angles angles[] = {{-30, 26},  {75, 26},  {-75, 26}, {30, 55},   {120, 26},
+                                       {-120, 26}, {0, 75},   {165, 26}, {-165, 26}, {30, -26},
+                                       {-30, -26}, {120, 55}, {-90, 55}, {120, -26}, {-120, -26}};
+
+struct chooser {
+    const struct gd_mesh *mesh;
+    struct gd_vec3 up;
+    const struct subject *subject;
+    struct gd__budget *budget;
+    struct gd__screen_point *points, *line;
+};
+
+static double path_seen(const struct chooser *chooser, const struct gd__depth_buffer *buffer)
+{
+    uint32_t count = chooser->subject->count;
+    return (1 - 2 * END_PART) * gd__depth_buffer_visibility(buffer, chooser->line, count) +
+           END_PART * gd__depth_buffer_visibility(buffer, chooser->line, 1) +
+           END_PART * gd__depth_buffer_visibility(buffer, chooser->line + count - 1, 1);
+}
+
+static double points_seen(const struct chooser *chooser, const struct gd__depth_buffer *buffer)
+{
+    uint32_t count = chooser->subject->count;
+    double sum = 0;
+    for (uint32_t i = 0; i < count; i++)
+        sum += gd__depth_buffer_visibility(buffer, chooser->line + i, 1);
+    return sum / count;
+}
+
+static enum gd_status sketch_view(const struct chooser *chooser, const struct gd_control *control,
+                                  struct gd__raster *raster, double *seen)
+{
+    enum gd_status status = gd__raster_open(raster, control);
+    if (!status) status = gd__raster_fill(raster, 0, control);
+    if (status) return status;
+    const struct gd__depth_buffer buffer = {.mesh = chooser->mesh,
+                                            .points = chooser->points,
+                                            .width = raster->width,
+                                            .height = raster->height,
+                                            .depth = raster->depth,
+                                            .face = raster->face};
+    *seen = chooser->subject->is_path ? path_seen(chooser, &buffer) : points_seen(chooser, &buffer);
+    return GD_OK;
+}
+
+/* Computes how much of the path is visible from a direction. */
+static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 direction,
+                               const struct gd_control *control, double *seen)
+{
+    const struct gd_mesh *mesh = chooser->mesh;
+    struct gd__camera camera = gd__camera_aim(mesh, direction, chooser->up);
+    /* a copy of the budget, because the sketch frees all its memory */
+    struct gd__budget budget = *chooser->budget;
+    gd__camera_fit(&camera, mesh, NULL, 0, &sketch);
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        chooser->points[v] = gd__camera_project(&camera, mesh->position[v]);
+    for (uint32_t i = 0; i < chooser->subject->count; i++)
+        chooser->line[i] = gd__camera_project(&camera, chooser->subject->points[i]);
+    struct gd__raster raster = {.mesh = mesh,
+                                .points = chooser->points,
+                                .width = (uint32_t)(sketch.width + 2 * sketch.left),
+                                .height = (uint32_t)(sketch.height + 2 * sketch.top),
+                                .grid = 1,
+                                .rows = UINT32_MAX,
+                                .budget = &budget};
+    enum gd_status status = sketch_view(chooser, control, &raster, seen);
+    gd__raster_close(&raster);
+    return status;
+}
+
+static enum gd_status view_choose(const struct chooser *chooser, const struct gd_control *control,
+                                  struct gd_vec3 *out)
+{
+    struct gd_vec3 direction = gd__view_direction(GD_VIEW_ISO, chooser->up);
+    double seen, most = -1;
+    *out = direction;
+    for (uint32_t i = 0; i <= sizeof angles / sizeof *angles && most < ENOUGH; i++) {
+        if (i > 0)
+            direction = gd__view_from(angles[i - 1].azimuth * M_PI / 180,
+                                      angles[i - 1].elevation * M_PI / 180, chooser->up);
+        enum gd_status status = try_view(chooser, direction, control, &seen);
+        if (status) return status;
+        if (seen <= most + BETTER) continue;
+        most = seen;
+        *out = direction;
+    }
+    return GD_OK;
+}
+
+/* Tries the iso view, then others around the surface, at a small size, until 95 % of the subject is
+ * visible. Sets *out to the best direction. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE. Cost: O(faces) for each of up to 16 directions. */
+static enum gd_status direction_choose(const struct gd_mesh *mesh, struct gd_vec3 up,
+                                       const struct subject *subject, struct gd__budget *budget,
+                                       const struct gd_control *control, struct gd_vec3 *out)
+{
+    struct chooser chooser = {.mesh = mesh, .up = up, .subject = subject, .budget = budget};
+    struct gd_vec3 direction;
+    enum gd_status status = gd__budget_take(budget, ((size_t)mesh->vertex_count + subject->count) *
+                                                        sizeof(struct gd__screen_point));
+    if (status) return status;
+    chooser.points = malloc(mesh->vertex_count * sizeof *chooser.points);
+    chooser.line = malloc(subject->count * sizeof *chooser.line);
+    status =
+        chooser.points && chooser.line ? view_choose(&chooser, control, &direction) : GD_NO_MEMORY;
+    free(chooser.points);
+    free(chooser.line);
+    if (!status) *out = direction;
+    return status;
+}
 
 /* The state of one picture. Before it is opened, all members except the request are zero. */
 struct studio {
@@ -72,7 +204,7 @@ static uint32_t list_points(const struct studio *studio, uint64_t stride, struct
 
 /* Lists the positions that should be visible: the path, or points of the layers, or the source of
  * the field. The caller frees `out->points`. The count is 0 if there is none of the three. */
-static enum gd_status find_subject(struct studio *studio, struct gd__subject *out)
+static enum gd_status find_subject(struct studio *studio, struct subject *out)
 {
     const struct gd_path *path = studio->picture->path;
     uint64_t all = 0;
@@ -89,11 +221,11 @@ static enum gd_status find_subject(struct studio *studio, struct gd__subject *ou
     for (uint32_t i = 0; path && i < count; i++)
         points[i] = inside(studio->mesh, studio->layers.path_points[i]);
     if (!path) list_points(studio, stride, points);
-    *out = (struct gd__subject){points, count, path || all == 0};
+    *out = (struct subject){points, count, path || all == 0};
     return GD_OK;
 }
 
-static enum gd_status picture_aim(struct studio *studio, const struct gd__subject *subject)
+static enum gd_status picture_aim(struct studio *studio, const struct subject *subject)
 {
     const struct gd_picture *picture = studio->picture;
     struct gd_vec3 direction = picture->view == GD_VIEW_DIRECTION
@@ -102,8 +234,8 @@ static enum gd_status picture_aim(struct studio *studio, const struct gd__subjec
     struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
     enum gd_status status = GD_OK;
     if (picture->view == GD_VIEW_CHOSEN && subject->count)
-        status = gd__view_choose(studio->mesh, picture->up, subject, &studio->budget, &control,
-                                 &direction);
+        status = direction_choose(studio->mesh, picture->up, subject, &studio->budget, &control,
+                                  &direction);
     if (status) return status;
     struct gd__viewport window = gd__legend_window(&studio->legend);
     studio->camera = gd__camera_aim(studio->mesh, direction, picture->up);
@@ -302,7 +434,7 @@ static void set_up(struct studio *studio, const struct gd_picture *picture,
 
 static enum gd_status draw(struct studio *studio)
 {
-    struct gd__subject subject = {0};
+    struct subject subject = {0};
     enum gd_status status =
         gd__layer_list_open(&studio->layers, studio->picture, &studio->palette, &studio->budget);
     if (status) return status;
