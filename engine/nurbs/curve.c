@@ -254,7 +254,6 @@ static enum gd_status nurbs_curve_make(const struct gd_parametric *surface, uint
 {
     struct gd_domain_curve *curve = calloc(1, sizeof *curve);
     if (!curve) return gd_fail_status(detail, GD_NO_MEMORY);
-    atomic_init(&curve->references, 1);
     curve->surface = gd_parametric_retain(surface);
     curve->degree = degree;
     curve->count = count;
@@ -366,27 +365,14 @@ enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface, enum gd_
         NULL, out, detail);
 }
 
-struct gd_domain_curve *gd_domain_curve_retain(const struct gd_domain_curve *curve)
-{
-    gd__references_add(&curve->references);
-    return (struct gd_domain_curve *)curve;
-}
-
 void gd_domain_curve_release(const struct gd_domain_curve *curve)
 {
-    if (!curve || !gd__references_drop(&curve->references)) return;
-    struct gd_domain_curve *shared = (struct gd_domain_curve *)curve;
-    gd_parametric_release(shared->surface);
-    free(shared->knots);
-    free(shared->points);
-    free(shared->breaks);
-    free(shared);
-}
-
-size_t gd_domain_curve_memsize(const struct gd_domain_curve *curve)
-{
-    return sizeof *curve + curve->count * sizeof *curve->points +
-           (curve->count + curve->degree + 1 + curve->break_count) * sizeof(double);
+    if (!curve) return;
+    gd_parametric_release(curve->surface);
+    free(curve->knots);
+    free(curve->points);
+    free(curve->breaks);
+    free((void *)curve);
 }
 
 const struct gd_parametric *gd_domain_curve_surface(const struct gd_domain_curve *curve)

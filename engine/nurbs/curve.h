@@ -2,7 +2,6 @@
 #ifndef GD_NURBS_CURVE_H
 #define GD_NURBS_CURVE_H
 
-#include "base/references.h"
 #include "gd/domain_curve.h"
 #include "nurbs/surface.h"
 
@@ -17,7 +16,6 @@ struct gd_domain_curve {
     /* The curve is smooth and stays in one cell of the surface between consecutive breaks. */
     uint32_t break_count; /* at least 2 */
     double *breaks;
-    atomic_uint references;
 };
 
 /* Place and two derivatives by the parameter. */

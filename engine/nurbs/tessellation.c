@@ -120,7 +120,6 @@ enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
                        GD_TESSELLATION_FACES_MAX);
     struct gd_tessellation *t = calloc(1, sizeof *t);
     if (!t) return gd_fail_status(detail, GD_NO_MEMORY);
-    atomic_init(&t->references, 1);
     t->surface = gd_parametric_retain(surface);
     enum gd_status status = gd__grid_make(surface, options, &t->grid);
     if (!status && surface->loops) {
@@ -140,26 +139,20 @@ enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
     return status;
 }
 
-struct gd_tessellation *gd_tessellation_retain(const struct gd_tessellation *tessellation)
-{
-    gd__references_add(&tessellation->references);
-    return (struct gd_tessellation *)tessellation;
-}
-
 void gd_tessellation_release(const struct gd_tessellation *tessellation)
 {
-    if (!tessellation || !gd__references_drop(&tessellation->references)) return;
-    struct gd_tessellation *shared = (struct gd_tessellation *)tessellation;
-    gd_parametric_release(shared->surface);
-    gd__grid_free(&shared->grid);
-    gd_polygons_free(&shared->polygons);
-    gd_mesh_release(shared->mesh);
-    free(shared->vertex_of);
-    free(shared->node_of);
-    free(shared->corners);
-    free(shared->first_face);
-    free(shared->node_uv);
-    free(shared);
+    struct gd_tessellation *own = (struct gd_tessellation *)tessellation;
+    if (!own) return;
+    gd_parametric_release(own->surface);
+    gd__grid_free(&own->grid);
+    gd_polygons_free(&own->polygons);
+    gd_mesh_release(own->mesh);
+    free(own->vertex_of);
+    free(own->node_of);
+    free(own->corners);
+    free(own->first_face);
+    free(own->node_uv);
+    free(own);
 }
 
 size_t gd_tessellation_memsize(const struct gd_tessellation *t)

@@ -2,7 +2,6 @@
 #ifndef GD_NURBS_TESSELLATION_H
 #define GD_NURBS_TESSELLATION_H
 
-#include "base/references.h"
 #include "nurbs/grid.h"
 
 /* Node (i, j) of the grid has the number i * (steps[1] + 1) + j. In a closed direction the last
@@ -22,7 +21,6 @@ struct gd_tessellation {
     /* Trimmed surfaces only: the parameters of each node. `first_face` is then NULL. */
     uint32_t node_count;
     double (*node_uv)[2];
-    atomic_uint references;
 };
 
 static inline uint32_t gd__node_count(const struct gd__grid *grid)

@@ -3,14 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/references.h"
 #include "base/share.h"
 #include "field/layout.h"
 #include "mesh/canonical.h"
 #include "mesh/image_header.h"
 
 struct gd_landmarks {
-    atomic_uint references;
     const struct gd_mesh *mesh;
     uint32_t count;
     /* GD__LANDMARKS_MOST distances for each vertex, in the normalised unit, rounded to nearest. A
@@ -25,7 +23,7 @@ void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_m
     guide->landmark = fit ? landmarks->distance : NULL;
 }
 
-/* --- creation and reference count ------------------------------------------------------------- */
+/* --- creation --------------------------------------------------------------------------------- */
 
 static size_t distance_bytes(const struct gd_mesh *mesh)
 {
@@ -41,24 +39,16 @@ static struct gd_landmarks *landmarks_create(const struct gd_mesh *mesh, uint32_
 {
     struct gd_landmarks *landmarks = malloc(landmarks_bytes_of(mesh));
     if (!landmarks) return NULL;
-    atomic_init(&landmarks->references, 1);
     landmarks->mesh = gd_mesh_retain(mesh);
     landmarks->count = count;
     return landmarks;
 }
 
-struct gd_landmarks *gd_landmarks_retain(const struct gd_landmarks *landmarks)
-{
-    gd__references_add(&landmarks->references);
-    return (struct gd_landmarks *)landmarks;
-}
-
 void gd_landmarks_release(const struct gd_landmarks *landmarks)
 {
-    if (!landmarks || !gd__references_drop(&landmarks->references)) return;
-    struct gd_landmarks *shared = (struct gd_landmarks *)landmarks;
-    gd_mesh_release(shared->mesh);
-    free(shared);
+    if (!landmarks) return;
+    gd_mesh_release(landmarks->mesh);
+    free((void *)landmarks);
 }
 
 uint32_t gd_landmarks_count(const struct gd_landmarks *landmarks)

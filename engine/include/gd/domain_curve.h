@@ -66,9 +66,7 @@ GD_MUST_USE enum gd_status gd_domain_curve_iso(const struct gd_parametric *surfa
                                                struct gd_domain_curve **out,
                                                struct gd_detail *detail);
 
-struct gd_domain_curve *gd_domain_curve_retain(const struct gd_domain_curve *curve);
 void gd_domain_curve_release(const struct gd_domain_curve *curve); /* NULL is allowed */
-size_t gd_domain_curve_memsize(const struct gd_domain_curve *curve);
 
 const struct gd_parametric *gd_domain_curve_surface(const struct gd_domain_curve *curve);
 bool gd_domain_curve_is_point(const struct gd_domain_curve *curve);

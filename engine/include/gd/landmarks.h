@@ -26,7 +26,6 @@ struct gd_landmarks;
 GD_MUST_USE enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count,
                                               const struct gd_control *control,
                                               struct gd_landmarks **out);
-struct gd_landmarks *gd_landmarks_retain(const struct gd_landmarks *landmarks);
 void gd_landmarks_release(const struct gd_landmarks *landmarks); /* NULL is allowed */
 uint32_t gd_landmarks_count(const struct gd_landmarks *landmarks);
 size_t gd_landmarks_memsize(const struct gd_landmarks *landmarks);

@@ -47,7 +47,6 @@ GD_MUST_USE enum gd_status gd_tessellation_build(const struct gd_parametric *sur
                                                  struct gd_tessellation **out,
                                                  struct gd_detail *detail);
 
-struct gd_tessellation *gd_tessellation_retain(const struct gd_tessellation *tessellation);
 void gd_tessellation_release(const struct gd_tessellation *tessellation); /* NULL is allowed */
 size_t gd_tessellation_memsize(const struct gd_tessellation *tessellation);
 
