@@ -1,4 +1,4 @@
-#include "server/api/surfaces/picture_nets.h"
+#include "server/api/surfaces/picture_layers.h"
 
 #include "gd/nurbs.h"
 #include "server/surfaces/kinds.h"

@@ -1,4 +1,4 @@
-#include "server/api/surfaces/picture_pieces.h"
+#include "server/api/surfaces/picture_layers.h"
 
 #include <math.h>
 #include <string.h>
