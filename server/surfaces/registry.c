@@ -7,25 +7,14 @@
 #include <time.h>
 
 #include "gd/control.h"
-#include "server/base/sorted.h"
 #include "server/base/thread.h"
+#include "server/surfaces/slots.h"
 
 /* largest number of attempts at a change while other daemons make changes */
 #define ATTEMPTS      8
 #define NOTED_AT_ONCE 256 /* numbers of uses that are stored under one writer lock */
 #define FRESH_NS      UINT64_C(1000000000) /* see server/doc/014 */
 #define AWAIT_NS      UINT64_C(200000000)
-
-/* The registry's entry for one surface. */
-struct slot {
-    struct server_listed now; /* record and surface; the surface is NULL if it is not in memory */
-    atomic_uint_least64_t uses;
-    atomic_int_least64_t last;  /* time of the last use, seconds since 1970 */
-    atomic_uint_least64_t turn; /* value of the registry's clock at the last use */
-    uint64_t noted;             /* number of uses in the store; guarded by the writer lock */
-    uint64_t version;           /* version of the record in a shared store */
-    atomic_bool was_tried;      /* set by server_registry_hottest */
-};
 
 struct server_registry {
     struct server_store *store;
@@ -46,113 +35,7 @@ struct server_registry {
 
 /* --- slots ------------------------------------------------------------------------------------ */
 
-void server_listed_release(struct server_listed *listed)
-{
-    server_surface_release(listed->surface);
-    server_record_release(listed->record);
-}
-
-/* Compares a slot with a struct server_key. */
-static int slot_compare(const void *item, const void *key)
-{
-    const struct slot *slot = item;
-    const struct server_key own = server_record_key(slot->now.record);
-    return server_key_compare(&own, key);
-}
-
-static int slots_compare(const void *a, const void *b)
-{
-    const struct slot *const *second = b;
-    const struct server_key key = server_record_key((*second)->now.record);
-    return slot_compare(*(const struct slot *const *)a, &key);
-}
-
-/* Inserts a slot, for which room was reserved, and returns NULL. If its key already has a slot,
- * exchanges the contents of the two, and returns `slot` with the old contents. */
-static struct slot *slot_enter(struct server_sorted *all, struct slot *slot)
-{
-    const struct server_key key = server_record_key(slot->now.record);
-    struct slot *found = server_sorted_find(all, &key);
-    if (!found) {
-        server_sorted_insert(all, server_sorted_index(all, &key), slot);
-        return NULL;
-    }
-    const struct server_listed left = found->now;
-    found->now = slot->now;
-    found->version = slot->version;
-    slot->now = left;
-    return slot;
-}
-
-/* Returns record and surface, retained. */
-static struct server_listed slot_share(const struct slot *slot)
-{
-    const struct server_listed *now = &slot->now;
-    return (struct server_listed){server_record_retain(now->record),
-                                  now->surface ? server_surface_retain(now->surface) : NULL};
-}
-
-/* Retains the record, and the surface, which may be NULL. Returns NULL if out of memory. */
-static struct slot *slot_create(struct server_record *record, struct server_surface *surface)
-{
-    struct slot *slot = calloc(1, sizeof *slot);
-    if (!slot) return NULL;
-    slot->now.record = server_record_retain(record);
-    if (surface) slot->now.surface = server_surface_retain(surface);
-    return slot;
-}
-
-static void slot_free(struct slot *slot)
-{
-    if (slot) server_listed_release(&slot->now);
-    free(slot);
-}
-
-/* The slots that were read from the store so far. */
-struct collection {
-    struct server_sorted slots;
-    bool is_incomplete; /* memory was short */
-};
-
-static bool on_stored(void *user, const struct server_stored *stored)
-{
-    struct collection *all = user;
-    struct slot *slot =
-        server_sorted_reserve(&all->slots) ? slot_create(stored->record, NULL) : NULL;
-    all->is_incomplete |= !slot;
-    if (!slot) return false;
-    slot->uses = slot->noted = stored->uses.count;
-    slot->last = stored->uses.last;
-    slot->version = stored->version;
-    all->slots.items[all->slots.count++] = slot;
-    return true;
-}
-
-/* Makes slots for all surfaces in the store. On failure `*out` contains some of them. */
-static enum server_outcome slots_collect(struct server_store *store, struct server_budget *budget,
-                                         struct server_sorted *out)
-{
-    struct collection all = {.slots = {.compare = slot_compare}};
-    enum server_outcome outcome = SERVER_STORE_DONE;
-    if (store->each) outcome = store->each(store, on_stored, &all);
-    *out = all.slots;
-    for (uint32_t i = 0; i < out->count; i++)
-        server_record_count(((struct slot *)out->items[i])->now.record, budget);
-    if (out->count) qsort(out->items, out->count, sizeof *out->items, slots_compare);
-    return !outcome && all.is_incomplete ? SERVER_STORE_NO_MEMORY : outcome;
-}
-
-/* Under the lock: returns the slot of that record. NULL means that the record's key has another
- * record or no record. */
-static struct slot *slot_of_record(const struct server_registry *registry,
-                                   const struct server_record *record)
-{
-    const struct server_key key = server_record_key(record);
-    struct slot *slot = server_sorted_find(&registry->all, &key);
-    return slot && slot->now.record == record ? slot : NULL;
-}
-
-static void slot_touch(struct server_registry *registry, struct slot *slot)
+static void slot_touch(struct server_registry *registry, struct server_slot *slot)
 {
     atomic_store_explicit(&slot->turn,
                           atomic_fetch_add_explicit(&registry->clock, 1, memory_order_relaxed),
@@ -162,13 +45,13 @@ static void slot_touch(struct server_registry *registry, struct slot *slot)
 }
 
 /* Destroys a removed slot and its surface, and calls the watcher. NULL is allowed. */
-static void slot_leave(struct server_registry *registry, struct slot *slot)
+static void slot_leave(struct server_registry *registry, struct server_slot *slot)
 {
     if (!slot) return;
     if (slot->now.surface) server_surface_retire(slot->now.surface);
     if (registry->gone && !server_registry_holds(registry, slot->now.record->etag))
         registry->gone(registry->gone_user, slot->now.record);
-    slot_free(slot);
+    server_slot_free(slot);
 }
 
 /* --- memory ----------------------------------------------------------------------------------- */
@@ -185,7 +68,7 @@ static size_t registry_unloadable(void *user)
     size_t bytes = 0;
     SERVER_READ_LOCK(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count; i++) {
-        const struct slot *slot = registry->all.items[i];
+        const struct server_slot *slot = registry->all.items[i];
         if (can_unload(slot->now.surface)) bytes += slot->now.surface->bytes;
     }
     return bytes;
@@ -196,11 +79,11 @@ static size_t registry_unloadable(void *user)
 static struct server_surface *surface_take_coldest(struct server_registry *registry,
                                                    bool without_fields)
 {
-    struct slot *coldest = NULL;
+    struct server_slot *coldest = NULL;
     struct server_surface *surface = NULL;
     SERVER_WRITE_LOCK(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count; i++) {
-        struct slot *slot = registry->all.items[i];
+        struct server_slot *slot = registry->all.items[i];
         if (!can_unload(slot->now.surface) || (coldest && slot->turn >= coldest->turn)) continue;
         if (without_fields && server_mesh_cache_count(slot->now.surface->fields)) continue;
         coldest = slot;
@@ -240,7 +123,7 @@ bool server_registry_holds(struct server_registry *registry, const char *etag)
     bool found = false;
     SERVER_READ_LOCK(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count && !found; i++)
-        found = strcmp(((struct slot *)registry->all.items[i])->now.record->etag, etag) == 0;
+        found = strcmp(((struct server_slot *)registry->all.items[i])->now.record->etag, etag) == 0;
     return found;
 }
 
@@ -248,8 +131,8 @@ bool server_registry_find(struct server_registry *registry, const struct server_
                           struct server_listed *out)
 {
     SERVER_READ_LOCK(&registry->lock);
-    const struct slot *slot = server_sorted_find(&registry->all, key);
-    if (slot) *out = slot_share(slot);
+    const struct server_slot *slot = server_sorted_find(&registry->all, key);
+    if (slot) *out = server_slot_share(slot);
     return slot != NULL;
 }
 
@@ -257,7 +140,7 @@ bool server_registry_use(struct server_registry *registry, const struct server_k
                          struct server_surface **out)
 {
     SERVER_READ_LOCK(&registry->lock);
-    struct slot *slot = server_sorted_find(&registry->all, key);
+    struct server_slot *slot = server_sorted_find(&registry->all, key);
     if (slot) {
         slot_touch(registry, slot);
         *out = slot->now.surface ? server_surface_retain(slot->now.surface) : NULL;
@@ -277,12 +160,12 @@ uint32_t server_registry_list(struct server_registry *registry, const struct ser
     uint32_t at = strcmp(name, begin) < 0 ? server_sorted_index(&registry->all, &first)
                                           : server_sorted_after(&registry->all, &from);
     for (; listed < most && at < registry->all.count; at++) {
-        const struct slot *slot = registry->all.items[at];
+        const struct server_slot *slot = registry->all.items[at];
         const struct server_record *record = slot->now.record;
         if (record->kind != from.kind || strcmp(record->tenant, from.tenant) != 0 ||
             strncmp(record->name, begin, strlen(begin)) != 0)
             break;
-        out[listed++] = slot_share(slot);
+        out[listed++] = server_slot_share(slot);
     }
     return listed;
 }
@@ -296,7 +179,7 @@ bool server_registry_next(struct server_registry *registry, struct server_listed
     if (before.record) key = server_record_key(before.record);
     pthread_rwlock_rdlock(&registry->lock);
     if (before.record) at = server_sorted_after(&registry->all, &key);
-    if (at < registry->all.count) *listed = slot_share(registry->all.items[at]);
+    if (at < registry->all.count) *listed = server_slot_share(registry->all.items[at]);
     pthread_rwlock_unlock(&registry->lock);
     server_listed_release(&before);
     return listed->record != NULL;
@@ -310,7 +193,7 @@ struct server_registry_statistics server_registry_statistics(struct server_regis
     SERVER_READ_LOCK(&registry->lock);
     statistics.surfaces = registry->all.count;
     for (uint32_t i = 0; i < registry->all.count; i++)
-        statistics.loaded += ((struct slot *)registry->all.items[i])->now.surface != NULL;
+        statistics.loaded += ((struct server_slot *)registry->all.items[i])->now.surface != NULL;
     return statistics;
 }
 
@@ -329,7 +212,7 @@ struct server_store *server_registry_store(const struct server_registry *registr
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface)
 {
     SERVER_WRITE_LOCK(&registry->lock);
-    struct slot *slot = slot_of_record(registry, surface->record);
+    struct server_slot *slot = server_slots_of_record(&registry->all, surface->record);
     if (slot && !slot->now.surface) {
         slot->now.surface = server_surface_retain(surface);
         atomic_fetch_add(&registry->loads, 1);
@@ -338,10 +221,10 @@ void server_registry_keep(struct server_registry *registry, struct server_surfac
 
 struct server_record *server_registry_hottest(struct server_registry *registry)
 {
-    struct slot *hottest = NULL;
+    struct server_slot *hottest = NULL;
     SERVER_READ_LOCK(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count; i++) {
-        struct slot *slot = registry->all.items[i];
+        struct server_slot *slot = registry->all.items[i];
         if (slot->now.surface || slot->was_tried) continue;
         if (!hottest || slot->uses > hottest->uses ||
             (slot->uses == hottest->uses && slot->last > hottest->last))
@@ -360,7 +243,7 @@ static uint32_t slots_collect_uses(struct server_registry *registry,
     uint32_t count = 0;
     SERVER_READ_LOCK(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count && count < NOTED_AT_ONCE; i++) {
-        struct slot *slot = registry->all.items[i];
+        struct server_slot *slot = registry->all.items[i];
         uint64_t now = atomic_load(&slot->uses);
         if (now == slot->noted) continue;
         slot->noted = now;
@@ -386,36 +269,10 @@ void server_registry_note_uses(struct server_registry *registry)
 
 /* --- following a shared store ----------------------------------------------------------------- */
 
-/* Applies a change of another daemon. Sets `*left` to the replaced or removed slot. Returns false
- * if out of memory. */
-static bool change_follow(struct server_registry *registry, const struct server_key *key,
-                          const struct server_stored *change, struct slot **left)
-{
-    struct server_sorted *all = &registry->all;
-    struct slot *before = server_sorted_find(all, key);
-    if (before && before->version >= change->version) return true;
-    if (before && change->record &&
-        server_record_is_same_upload(before->now.record, change->record)) {
-        server_record_exchange_captions(before->now.record, change->record);
-        before->version = change->version;
-        return true;
-    }
-    if (!change->record) {
-        if (before) *left = server_sorted_remove(all, server_sorted_index(all, key));
-        return true;
-    }
-    struct slot *after = server_sorted_reserve(all) ? slot_create(change->record, NULL) : NULL;
-    if (!after) return false;
-    server_record_count(change->record, registry->budget);
-    after->version = change->version;
-    *left = slot_enter(all, after);
-    return true;
-}
-
 static bool on_change(void *user, const struct server_stored *change)
 {
     struct server_registry *registry = user;
-    struct slot *left = NULL;
+    struct server_slot *left = NULL;
     struct server_key key;
     char text[SERVER_KEY_TEXT];
     if (strlen(change->key) >= sizeof text) return true;
@@ -423,25 +280,11 @@ static bool on_change(void *user, const struct server_stored *change)
     /* a later version of this program wrote the key */
     if (!server_key_read(text, &key)) return true;
     pthread_rwlock_wrlock(&registry->lock);
-    bool is_applied = change_follow(registry, &key, change, &left);
+    bool is_applied = server_slots_follow(&registry->all, registry->budget, &key, change, &left);
     pthread_rwlock_unlock(&registry->lock);
     if (is_applied) registry->seen = change->version;
     slot_leave(registry, left);
     return is_applied;
-}
-
-/* Moves slots of unchanged versions from `all` to `fresh`, so that their surfaces stay in
- * memory. */
-static void slots_keep_unchanged(struct server_sorted *all, struct server_sorted *fresh)
-{
-    for (uint32_t i = 0; i < fresh->count; i++) {
-        struct slot *new = fresh->items[i], *slot;
-        const struct server_key key = server_record_key(new->now.record);
-        slot = server_sorted_find(all, &key);
-        if (!slot || slot->version != new->version) continue;
-        all->items[server_sorted_index(all, &key)] = new;
-        fresh->items[i] = slot;
-    }
 }
 
 /* Reads the whole store again. Called if the store no longer lists the changes, because they are
@@ -449,10 +292,10 @@ static void slots_keep_unchanged(struct server_sorted *all, struct server_sorted
 static enum server_outcome registry_reread(struct server_registry *registry)
 {
     struct server_sorted fresh;
-    enum server_outcome outcome = slots_collect(registry->store, registry->budget, &fresh);
+    enum server_outcome outcome = server_slots_collect(registry->store, registry->budget, &fresh);
     if (!outcome) {
         pthread_rwlock_wrlock(&registry->lock);
-        slots_keep_unchanged(&registry->all, &fresh);
+        server_slots_keep(&registry->all, &fresh);
         struct server_sorted before = registry->all;
         registry->all = fresh;
         fresh = before;
@@ -498,7 +341,7 @@ bool server_registry_is_current(struct server_registry *registry,
 {
     (void)server_registry_follow(registry, gd_now_ns());
     SERVER_READ_LOCK(&registry->lock);
-    return slot_of_record(registry, record) != NULL;
+    return server_slots_of_record(&registry->all, record) != NULL;
 }
 
 static void follow_changes(void *user, struct server_thread *thread)
@@ -522,7 +365,7 @@ struct change {
     struct server_record *amended; /* the record with the new caption, after it was made */
     /* the condition; NULL means that the key must still have the record of `surface` */
     const struct server_precondition *precondition;
-    struct slot *slot,
+    struct server_slot *slot,
         *left; /* slot: the slot to insert; left: the replaced or removed slot; both may be NULL */
 };
 
@@ -573,14 +416,14 @@ static void change_apply(struct server_registry *registry, struct change *change
     struct server_sorted *all = &registry->all;
     pthread_mutex_lock(&registry->following);
     pthread_rwlock_wrlock(&registry->lock);
-    struct slot *found = server_sorted_find(all, &change->key);
+    struct server_slot *found = server_sorted_find(all, &change->key);
     bool follower_was_quicker = found && found->version && found->version == version;
     bool is_news = !version || (version > registry->seen && (!found || found->version < version));
     bool enters = follower_was_quicker || is_news;
     if (enters && change->slot && server_sorted_reserve(all)) {
         slot_touch(registry, found ? found : change->slot);
         change->slot->version = version;
-        change->left = slot_enter(all, change->slot);
+        change->left = server_slots_enter(all, change->slot);
         change->slot = NULL;
     } else if (change->caption) {
         if (is_news && found && server_record_is_same_upload(found->now.record, change->amended)) {
@@ -607,9 +450,9 @@ static enum server_outcome change_make(struct server_registry *registry, struct 
     if (outcome) return outcome;
     pthread_rwlock_wrlock(&registry->lock);
     bool has_room = !surface || server_sorted_reserve(&registry->all);
-    const struct slot *slot = server_sorted_find(&registry->all, &change->key);
+    const struct server_slot *slot = server_sorted_find(&registry->all, &change->key);
     if (slot) {
-        now = slot_share(slot);
+        now = server_slot_share(slot);
         version = slot->version;
     }
     pthread_rwlock_unlock(&registry->lock);
@@ -648,10 +491,10 @@ enum server_outcome server_registry_put(struct server_registry *registry,
             {.parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = surface->attachment}},
         .precondition = precondition};
     if (!server_record_take(surface->record, registry->budget)) return SERVER_STORE_NO_MEMORY;
-    change.slot = slot_create(surface->record, surface);
+    change.slot = server_slot_create(surface->record, surface);
     if (!change.slot) return SERVER_STORE_NO_MEMORY;
     enum server_outcome outcome = change_run(registry, &change);
-    slot_free(change.slot);
+    server_slot_free(change.slot);
     return outcome;
 }
 
@@ -684,7 +527,7 @@ void server_registry_watch(struct server_registry *registry,
 
 static bool registry_start(struct server_registry *registry)
 {
-    if (slots_collect(registry->store, registry->budget, &registry->all)) return false;
+    if (server_slots_collect(registry->store, registry->budget, &registry->all)) return false;
     if (!server_registry_is_shared(registry)) return true;
     if (server_registry_follow(registry, gd_now_ns())) return false;
     registry->follower = server_thread_start(follow_changes, registry);
@@ -704,7 +547,7 @@ struct server_registry *server_registry_create(struct server_store *store,
     pthread_mutex_init(&registry->writing, NULL);
     pthread_mutex_init(&registry->following, NULL);
     pthread_rwlock_init(&registry->lock, NULL);
-    registry->all.compare = slot_compare;
+    registry->all.compare = server_slot_compare;
     if (!registry_start(registry)) {
         server_registry_destroy(registry);
         return NULL;

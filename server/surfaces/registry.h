@@ -24,12 +24,6 @@
 
 struct server_registry;
 
-struct server_listed {
-    struct server_record *record;
-    struct server_surface *surface; /* NULL if not in memory */
-};
-void server_listed_release(struct server_listed *listed); /* accepts all zero */
-
 /* Creates a registry. Lists the surfaces of the store, but loads none. The registry owns the store,
  * borrows the budget and registers as its reclaimer. If there is no memory or no thread, closes the
  * store and returns NULL. */

@@ -45,6 +45,12 @@ struct server_surface *server_surface_retain(struct server_surface *surface)
     return surface;
 }
 
+void server_listed_release(struct server_listed *listed)
+{
+    server_surface_release(listed->surface);
+    server_record_release(listed->record);
+}
+
 bool server_surface_retain_alive(struct server_surface *surface)
 {
     unsigned references = atomic_load(&surface->references);

@@ -82,6 +82,13 @@ bool server_surface_retain_alive(struct server_surface *surface);
 /* Drops the surface's fields and landmarks permanently, when it leaves the registry. */
 void server_surface_retire(struct server_surface *surface);
 
+/* A record, and its surface while that is in memory; a reference to each. */
+struct server_listed {
+    struct server_record *record;
+    struct server_surface *surface; /* NULL if not in memory */
+};
+void server_listed_release(struct server_listed *listed); /* accepts all zero */
+
 struct server_builder { /* all borrowed */
     struct server_budget *budget;
     struct server_cache *cache;
