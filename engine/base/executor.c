@@ -1,7 +1,5 @@
 #include "gd/executor.h"
 
-#include <stddef.h>
-
 void gd_executor_run(const struct gd_executor *executor,
                      void (*task)(void *context, uint32_t index), void *context, uint32_t count)
 {

@@ -2,7 +2,6 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-#include "base/large.h"
 #include "base/slices.h"
 #include "construction/steps.h"
 #include "mesh/edge_table.h"

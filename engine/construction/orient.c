@@ -1,7 +1,6 @@
 /* Makes the orientation of the whole mesh consistent. Rejects non-orientable components. */
 #include <stdlib.h>
 
-#include "base/large.h"
 #include "construction/steps.h"
 #include "construction/offenders.h"
 #include "mesh/orientation.h"

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdatomic.h>
 
-#include "base/large.h"
 #include "base/slices.h"
 #include "construction/steps.h"
 #include "construction/offenders.h"

@@ -1,7 +1,5 @@
 #include "field/circle.h"
 
-#include <stdlib.h>
-
 #include "base/array.h"
 
 /* This file computes the part of a circle that lies in the face and where no other source is

@@ -1,7 +1,5 @@
 #include "line/portal.h"
 
-#include "mesh/canonical.h"
-
 bool gd__portal_contains(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *point)
 {
     if (point->kind == GD_POINT_EDGE) return point->element == side >> 1;

@@ -5,9 +5,7 @@
 #include "base/array.h"
 #include "base/tolerance.h"
 #include "mesh/canonical.h"
-#include "mesh/segment.h"
 #include "line/turn.h"
-#include "line/unfold.h"
 
 /* Number of portals that are unfolded between two checks of the control. This takes well under a
  * millisecond. */

@@ -1,7 +1,5 @@
 #include "mesh/anchor.h"
 
-#include <math.h>
-
 #include "mesh/local.h"
 
 static void anchor_edge(const struct gd_mesh *mesh, const struct gd_point *point,

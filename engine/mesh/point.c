@@ -1,6 +1,5 @@
 #include "gd/point.h"
 
-#include <assert.h>
 #include <string.h>
 
 #include "base/tolerance.h"

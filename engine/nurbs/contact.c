@@ -6,7 +6,6 @@
 
 #include "base/array.h"
 #include "base/tolerance.h"
-#include "nurbs/energy.h"
 
 enum {
     HALVINGS = 24, /* largest number of halvings of an interval of the quadrature */

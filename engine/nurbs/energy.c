@@ -1,6 +1,5 @@
 #include "nurbs/energy.h"
 
-#include <math.h>
 #include <string.h>
 
 double gd__energy_value(const struct gd__chain *chain, const struct gd__piece *piece)

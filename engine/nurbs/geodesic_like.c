@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/tolerance.h"
 #include "nurbs/answer.h"
 #include "nurbs/classes.h"
 #include "nurbs/family.h"

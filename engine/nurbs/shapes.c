@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/tolerance.h"
 #include "gd/parametric.h"
 
 static enum gd_status no_memory(struct gd_detail *detail)

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/tolerance.h"
 #include "nurbs/answer.h"
 #include "nurbs/taut.h"
 

@@ -8,7 +8,6 @@
 #include "base/array.h"
 #include "base/pace.h"
 #include "base/tolerance.h"
-#include "gd/limit_place.h"
 #include "mesh/triangle.h"
 #include "subdiv/limit_grid.h"
 #include "transport/surface_ray.h"

@@ -1,7 +1,5 @@
 #include "subdiv/refine.h"
 
-#include <math.h>
-
 /* DeRose, Kass, Truong: Subdivision surfaces in character animation (1998), section 3. If the rule
  * of a point changes from one level to the next, its position is interpolated between the results
  * of both rules. As in OpenSubdiv, the weight of the sharper rule is the mean of the sharpnesses

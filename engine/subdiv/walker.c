@@ -1,6 +1,5 @@
 #include "subdiv/walker.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 #include "base/tolerance.h"

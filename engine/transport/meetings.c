@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/tolerance.h"
-#include "field/layout.h"
 
 enum { CAPACITY = 64 };
 

@@ -4,7 +4,6 @@
 
 #include "base/tolerance.h"
 #include "transport/pieces.h"
-#include "line/turn.h"
 
 enum { PIECES_MOST = 65536 };
 

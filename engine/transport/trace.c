@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "base/tolerance.h"
-#include "field/layout.h"
 #include "mesh/canonical.h"
 #include "transport/meetings.h"
 #include "transport/straight.h"

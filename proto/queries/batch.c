@@ -1,6 +1,5 @@
 #include "proto/queries/batch.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "proto/json/decode.h"

@@ -1,6 +1,5 @@
 #include "proto/queries/made_mesh.h"
 
-#include "proto/json/writer.h"
 #include "proto/queries/limit_paths.h"
 
 bool proto_discretization_decode(const json_t *document, const struct gd_subdivision *surface,
