@@ -1,48 +1,10 @@
 /* Compares shortest paths on surfaces with closed forms, with lengths by Clairaut's relation and by
  * shooting, and with laws. */
-#include "tests/unit/nurbs/surfaces.h"
+#include "tests/unit/nurbs/scene.h"
 
-#include "gd/geodesic_like.h"
 #include "tests/unit/nurbs/shooting.h"
 
-static const double promise = 1e-10; /* permitted relative error of a length */
-static const double right = 1e-8;    /* permitted error of a right angle at an end */
-
-struct scene {
-    struct gd_parametric *surface;
-    struct gd_tessellation *tessellation;
-};
-
-static struct scene open_scene(struct gd_parametric *surface)
-{
-    struct scene scene = {.surface = surface};
-    struct gd_detail detail = {0};
-    check_ok(gd_tessellation_build(surface, NULL, NULL, &scene.tessellation, &detail), &detail);
-    return scene;
-}
-
-static void close_scene(struct scene *scene)
-{
-    gd_tessellation_release(scene->tessellation);
-    gd_parametric_release(scene->surface);
-}
-
-/* Solves and releases both end curves. */
-static struct gd_geodesics solve(const struct scene *scene, struct gd_domain_curve *from,
-                                 struct gd_domain_curve *to,
-                                 const struct gd_geodesic_options *options)
-{
-    struct gd_geodesics found;
-    struct gd_detail detail = {0};
-    check_ok(
-        gd_geodesic_solve(scene->tessellation,
-                          &(struct gd_geodesic_request){.from = from, .to = to, .options = options},
-                          NULL, &found, &detail),
-        &detail);
-    gd_domain_curve_release(from);
-    gd_domain_curve_release(to);
-    return found;
-}
+static const double right = 1e-8; /* permitted error of a right angle at an end */
 
 /* Checks the laws of every result, frees it, and returns the length of the shortest path. */
 static double length_of(struct gd_geodesics *found)
@@ -214,15 +176,9 @@ static void collinear_corners_do_not_matter(void **state)
     }
     const double ends[2][2] = {{0.05, 0.9}, {0.95, 0.8}};
     for (int i = 1; i < 8; i += TEST_STRIDE) {
-        struct gd_domain_curve *plain, *broken;
-        check_ok(gd_domain_curve_polyline(scene.surface, &(struct gd_domain_polyline){ends, 2},
-                                          NULL, &plain, NULL),
-                 NULL);
-        check_ok(gd_domain_curve_polyline(
-                     scene.surface,
-                     &(struct gd_domain_polyline){(const double(*)[2])corners, CORNERS + 1}, NULL,
-                     &broken, NULL),
-                 NULL);
+        struct gd_domain_curve *plain = polyline_of(scene.surface, ends, 2),
+                               *broken = polyline_of(scene.surface, (const double(*)[2])corners,
+                                                     CORNERS + 1);
         struct gd_geodesics one =
             solve(&scene, point_at(scene.surface, 0.12 * i, 0.1), plain, NULL);
         struct gd_geodesics other =
@@ -338,11 +294,8 @@ static void a_path_can_end_at_a_corner_of_a_polyline(void **state)
 {
     (void)state;
     struct scene scene = open_scene(plane(3));
-    struct gd_domain_curve *bent;
     const double corners[3][2] = {{2, -1}, {1, 0}, {2, 1}};
-    check_ok(gd_domain_curve_polyline(scene.surface, &(struct gd_domain_polyline){corners, 3}, NULL,
-                                      &bent, NULL),
-             NULL);
+    struct gd_domain_curve *bent = polyline_of(scene.surface, corners, 3);
     struct gd_geodesics found = solve(&scene, point_at(scene.surface, -1, 0.125), bent, NULL);
     assert_true(found.items[0].warnings & GD_GEODESIC_CURVE_CORNER);
     check_close(found.items[0].to_parameter, 1, 1e-12);
@@ -408,11 +361,7 @@ static void the_papers_curves_converge_at_a_corner(void **state)
     for (uint32_t degree = 2; degree <= 3; degree++) {
         double before = 1;
         for (uint32_t n = 10; n <= 160; n *= 2) {
-            struct gd_domain_curve *bent;
-            check_ok(gd_domain_curve_polyline(scene.surface,
-                                              &(struct gd_domain_polyline){corners, 3}, NULL, &bent,
-                                              NULL),
-                     NULL);
+            struct gd_domain_curve *bent = polyline_of(scene.surface, corners, 3);
             struct gd_geodesics found =
                 solve(&scene, point_at(scene.surface, from[0], from[1]), bent,
                       &(struct gd_geodesic_options){.degree = degree, .control_points = n});
@@ -426,214 +375,6 @@ static void the_papers_curves_converge_at_a_corner(void **state)
             gd_geodesics_free(&found);
         }
     }
-    close_scene(&scene);
-}
-
-/* --- classes and families --------------------------------------------------------------------- */
-
-static struct gd_geodesics solve_request(const struct scene *scene,
-                                         const struct gd_geodesic_request *request)
-{
-    struct gd_geodesics found;
-    struct gd_detail detail = {0};
-    check_ok(gd_geodesic_solve(scene->tessellation, request, NULL, &found, &detail), &detail);
-    return found;
-}
-
-static struct gd_domain_curve *polyline_of(const struct gd_parametric *surface,
-                                           const double (*corners)[2], uint32_t count)
-{
-    struct gd_domain_curve *curve;
-    struct gd_detail detail = {0};
-    check_ok(gd_domain_curve_polyline(surface, &(struct gd_domain_polyline){corners, count}, NULL,
-                                      &curve, &detail),
-             &detail);
-    return curve;
-}
-
-/* Compares a path between two points with the geodesic that leaves in the same direction, which
- * shooting computes. In the domain, path and geodesic must end at the second point, shifted by one
- * period for each turn of the path. */
-static void check_by_shooting(const struct gd_parametric *surface, const struct gd_geodesic *path,
-                              const double to[2])
-{
-    const struct gd_geodesic_piece *first = &path->pieces[0];
-    double target[2], length = path->length,
-                      angle = shooting_angle(surface, first->points[0], first->points[1]);
-    for (int k = 0; k < 2; k++)
-        target[k] = first->points[0][k] - (k ? 0.3 : 0.0) + to[k] + 2 * M_PI * path->turns[k];
-    const struct gd_geodesic_piece *last = &path->pieces[path->piece_count - 1];
-    for (int k = 0; k < 2; k++)
-        assert_true(fabs(last->points[last->count - 1][k] - target[k]) < 1e-9);
-    assert_true(shoot_at(surface, first->points[0], target, &angle, &length));
-    check_close(path->length, length, promise);
-}
-
-/* Each homotopy class of a closed surface has a shortest path (Hilbert, Cartan). */
-static void each_class_of_a_torus_has_a_minimum(void **state)
-{
-    (void)state;
-    struct scene scene = open_scene(torus(3, 1.1));
-    const double from[2] = {0, 0.3}, to[2] = {1, 0.5};
-    struct gd_domain_curve *a = point_at(scene.surface, from[0], from[1]),
-                           *b = point_at(scene.surface, to[0], to[1]);
-    struct gd_geodesic_options options = {.all_minima = true, .turn_limit = 1};
-    struct gd_geodesics found = solve_request(
-        &scene, &(struct gd_geodesic_request){.from = a, .to = b, .options = &options});
-    double least[3][3];
-    for (int m = 0; m < 3; m++)
-        for (int n = 0; n < 3; n++) least[m][n] = INFINITY;
-    for (uint32_t i = 0; i < found.count; i++) {
-        const struct gd_geodesic *path = &found.items[i];
-        assert_true(path->is_minimum);
-        assert_true(i == 0 || path->length >= found.items[i - 1].length);
-        check_by_shooting(scene.surface, path, to);
-        if (abs(path->turns[0]) > 1 || abs(path->turns[1]) > 1) continue;
-        double *best = &least[path->turns[0] + 1][path->turns[1] + 1];
-        *best = fmin(*best, path->length);
-    }
-    for (int32_t m = -1; m <= 1; m++) {
-        for (int32_t n = -1; n <= 1; n++) {
-            const int32_t turns[2] = {m, n};
-            assert_true(isfinite(least[m + 1][n + 1]));
-            struct gd_geodesics one = solve_request(
-                &scene, &(struct gd_geodesic_request){.from = a, .to = b, .turns = turns});
-            assert_int_equal(one.count, 1);
-            assert_true(one.items[0].turns[0] == m && one.items[0].turns[1] == n);
-            check_close(one.items[0].length, least[m + 1][n + 1], promise);
-            gd_geodesics_free(&one);
-        }
-    }
-    gd_geodesics_free(&found);
-    gd_domain_curve_release(a);
-    gd_domain_curve_release(b);
-    close_scene(&scene);
-}
-
-/* On a cylinder the paths of all classes are straight lines of the unrolled plane. */
-static void turns_and_initial_curves_on_a_cylinder(void **state)
-{
-    (void)state;
-    struct scene scene = open_scene(nurbs_ruled(1, 0, 1, 3));
-    const double places[2][4] = {{0.1, 0.2, 0.35, 0.7}, {0.6, 0.5, 0.6, 0.5}};
-    for (int i = 0; i < 2; i++) {
-        const double *p = places[i];
-        struct gd_domain_curve *a = point_at(scene.surface, p[0], p[1]),
-                               *b = point_at(scene.surface, p[2], p[3]);
-        /* circle_parameter is not linear, but p[0] and p[2] are read back from the surface */
-        struct gd_jet jets[2];
-        for (int k = 0; k < 2; k++)
-            check_ok(gd_parametric_evaluate(scene.surface, p[2 * k], p[2 * k + 1], &jets[k]), NULL);
-        double around = atan2(jets[1].x.y, jets[1].x.x) - atan2(jets[0].x.y, jets[0].x.x),
-               up = jets[1].x.z - jets[0].x.z;
-        for (int32_t m = -3; m <= 3; m++) {
-            if (m == 0 && i) continue;
-            const int32_t turns[2] = {m, 0};
-            const double corners[3][2] = {
-                {p[0], p[1]}, {0.5 * (p[0] + p[2] + m), 0.9}, {p[2] + m, p[3]}};
-            struct gd_domain_curve *initial = polyline_of(scene.surface, corners, 3);
-            struct gd_geodesics found[2] = {
-                solve_request(&scene,
-                              &(struct gd_geodesic_request){.from = a, .to = b, .turns = turns}),
-                solve_request(
-                    &scene, &(struct gd_geodesic_request){.from = a, .to = b, .initial = initial})};
-            for (int k = 0; k < 2; k++) {
-                assert_true(found[k].items[0].is_minimum);
-                assert_int_equal(found[k].items[0].turns[0], m);
-                check_close(found[k].items[0].length, hypot(around + 2 * M_PI * m, up), promise);
-                gd_geodesics_free(&found[k]);
-            }
-            gd_domain_curve_release(initial);
-        }
-        gd_domain_curve_release(a);
-        gd_domain_curve_release(b);
-    }
-    close_scene(&scene);
-}
-
-/* A path to the far side of a closed curve crosses the near side of the curve, and is trimmed at
- * the crossing. */
-static void paths_that_cross_a_curve_are_trimmed(void **state)
-{
-    (void)state;
-    struct scene scene = open_scene(plane(6));
-    const double square[5][2] = {{0, -1}, {2, -1}, {2, 3}, {0, 3}, {0, -1}},
-                 far_side[3][2] = {{5, 1}, {3, 1.5}, {0, 1.25}};
-    struct gd_geodesics found =
-        solve(&scene, point_at(scene.surface, 5, 1), polyline_of(scene.surface, square, 5),
-              &(struct gd_geodesic_options){.all_minima = true});
-    assert_int_equal(found.count, 1);
-    check_close(found.items[0].length, 3, 1e-12);
-    gd_geodesics_free(&found);
-    struct gd_domain_curve *a = point_at(scene.surface, 5, 1),
-                           *b = polyline_of(scene.surface, square, 5),
-                           *initial = polyline_of(scene.surface, far_side, 3);
-    found = solve_request(&scene,
-                          &(struct gd_geodesic_request){.from = a, .to = b, .initial = initial});
-    check_close(found.items[0].length, 3, 1e-12);
-    gd_geodesics_free(&found);
-    gd_domain_curve_release(a);
-    gd_domain_curve_release(b);
-    gd_domain_curve_release(initial);
-    close_scene(&scene);
-}
-
-/* Between the sides of two squares around one centre there are four families of paths. */
-static void each_family_of_paths_is_listed_once(void **state)
-{
-    (void)state;
-    struct scene scene = open_scene(plane(3));
-    const double inner[5][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {-1, -1}},
-                 outer[5][2] = {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}, {-2, -2}},
-                 low[2][2] = {{-1, 0}, {1, 0}}, high[2][2] = {{-2, 1.5}, {1.5, 1.5}};
-    const struct gd_geodesic_options options = {.all_minima = true};
-    struct gd_geodesics found = solve(&scene, polyline_of(scene.surface, inner, 5),
-                                      polyline_of(scene.surface, outer, 5), &options);
-    assert_int_equal(found.count, 4);
-    for (uint32_t i = 0; i < found.count; i++) {
-        check_close(found.items[i].length, 1, 1e-12);
-        assert_true(found.items[i].warnings & GD_GEODESIC_FAMILY);
-    }
-    gd_geodesics_free(&found);
-    found = solve(&scene, polyline_of(scene.surface, low, 2), polyline_of(scene.surface, high, 2),
-                  &options);
-    assert_int_equal(found.count, 1);
-    check_close(found.items[0].length, 1.5, 1e-12);
-    assert_true(found.items[0].warnings & GD_GEODESIC_FAMILY);
-    gd_geodesics_free(&found);
-    close_scene(&scene);
-}
-
-static void expect_refused(const struct scene *scene, const struct gd_geodesic_request *request)
-{
-    struct gd_geodesics found;
-    struct gd_detail detail;
-    assert_int_equal(gd_geodesic_solve(scene->tessellation, request, NULL, &found, &detail),
-                     GD_INVALID_ARGUMENT);
-}
-
-static void classes_that_do_not_exist_are_refused(void **state)
-{
-    (void)state;
-    struct scene scene = open_scene(nurbs_ruled(1, 0, 1, 3));
-    struct gd_domain_curve *a = point_at(scene.surface, 0.1, 0.2),
-                           *b = point_at(scene.surface, 0.4, 0.2);
-    const double elsewhere[2][2] = {{0.1, 0.2}, {0.6, 0.9}};
-    struct gd_domain_curve *line = polyline_of(scene.surface, elsewhere, 2);
-    const struct gd_geodesic_options all = {.all_minima = true}, many = {.turn_limit = 5};
-    const int32_t up[2] = {0, 1}, often[2] = {17, 0}, once[2] = {1, 0};
-    const struct gd_geodesic_request wrong[] = {
-        {.from = a, .to = b, .turns = up},
-        {.from = a, .to = b, .turns = often},
-        {.from = a, .to = b, .turns = once, .options = &all},
-        {.from = a, .to = b, .turns = once, .initial = line},
-        {.from = a, .to = b, .initial = line},
-        {.from = a, .to = b, .initial = a},
-        {.from = a, .to = b, .options = &many}};
-    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) expect_refused(&scene, &wrong[i]);
-    gd_domain_curve_release(a);
-    gd_domain_curve_release(b);
-    gd_domain_curve_release(line);
     close_scene(&scene);
 }
 
@@ -693,11 +434,6 @@ int main(void)
         cmocka_unit_test(exchanging_the_ends_changes_nothing),
         cmocka_unit_test(the_papers_curves_converge),
         cmocka_unit_test(the_papers_curves_converge_at_a_corner),
-        cmocka_unit_test(each_class_of_a_torus_has_a_minimum),
-        cmocka_unit_test(turns_and_initial_curves_on_a_cylinder),
-        cmocka_unit_test(paths_that_cross_a_curve_are_trimmed),
-        cmocka_unit_test(each_family_of_paths_is_listed_once),
-        cmocka_unit_test(classes_that_do_not_exist_are_refused),
         cmocka_unit_test(invalid_requests_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
