@@ -1,12 +1,238 @@
-/* Fills the holes of a mesh by patches (hole.h). */
+/* Fills the holes of a mesh by patches: a triangulation of least area (Barequet and Sharir, 1995),
+ * which patch.cc refines and smooths. */
 #include <stdlib.h>
 
+#include "base/pace.h"
 #include "base/share.h"
 #include "edit/crossings.h"
 #include "edit/edited.h"
-#include "edit/hole.h"
-#include "gd/locate.h"
+#include "edit/patch.h"
 #include "mesh/topology.h"
+#include "mesh/triangle.h"
+
+/* --- one hole --------------------------------------------------------------------------------- */
+
+/* One boundary loop, and the patch of triangles that fills it. */
+struct hole {
+    const struct gd_mesh *mesh;
+    uint32_t *vertex; /* internal numbers of the vertices, in the order of the boundary sides */
+    uint32_t count;
+    struct gd__patch rough; /* the triangulation of least area */
+    struct gd__patch patch; /* the final patch */
+};
+
+static void patch_free(struct gd__patch *patch)
+{
+    free(patch->positions);
+    free(patch->corners);
+    *patch = (struct gd__patch){0};
+}
+
+static void hole_free(struct hole *hole)
+{
+    free(hole->vertex);
+    patch_free(&hole->rough);
+    patch_free(&hole->patch);
+}
+
+/* Reads a boundary loop. Errors: GD_NO_MEMORY. */
+static enum gd_status hole_read(const struct gd_mesh *mesh, uint32_t loop, struct hole *out)
+{
+    uint32_t count = mesh->boundary[loop].vertices, side = mesh->boundary_side[loop];
+    if (!gd__side_is_boundary(mesh, side)) side ^= 1;
+    *out = (struct hole){.mesh = mesh, .vertex = malloc(count * sizeof *out->vertex)};
+    if (!out->vertex) return GD_NO_MEMORY;
+    for (; out->count < count; side = gd__edit_side(mesh, side).next)
+        out->vertex[out->count++] = mesh->origin[side];
+    return GD_OK;
+}
+
+/* Returns GD_NOT_TRIANGULABLE. Writes the text "a hole of 7 edges <reason>" and the vertices of the
+ * hole to the detail. */
+static enum gd_status hole_refuse(const struct hole *hole, struct gd_detail *detail,
+                                  const char *reason)
+{
+    gd_fail(detail, GD_NOT_TRIANGULABLE, "a hole of %u edges %s", hole->count, reason);
+    for (uint32_t i = 0; i < hole->count; i++)
+        gd_detail_add(detail, GD_ELEMENT_VERTEX, hole->mesh->index_of_vertex[hole->vertex[i]], 0);
+    return GD_NOT_TRIANGULABLE;
+}
+
+/* Returns true if two vertices of the loop are at the same place. */
+static bool is_pinched(const struct hole *hole)
+{
+    const struct gd_vec3 *place = hole->mesh->position;
+    for (uint32_t i = 1; i < hole->count; i++) {
+        for (uint32_t k = 0; k < i; k++)
+            if (gd_vec3_distance(place[hole->vertex[i]], place[hole->vertex[k]]) == 0) return true;
+    }
+    return false;
+}
+
+/* Returns true if an edge of the mesh already joins two vertices of the loop. The patch must not
+ * contain a second edge between them. */
+static bool is_taken(const void *user, uint32_t i, uint32_t j)
+{
+    const struct hole *hole = user;
+    return gd__side_between(hole->mesh, hole->vertex[i], hole->vertex[j]) != GD_NONE ||
+           gd__side_between(hole->mesh, hole->vertex[j], hole->vertex[i]) != GD_NONE;
+}
+
+/* --- least area ------------------------------------------------------------------------------- */
+
+/* The best triangulations for all parts of the loop, count x count items. A part of the loop from
+ * vertex i to vertex j, closed by the chord i-j, is a polygon. */
+struct spans {
+    struct hole *hole;
+    double *cost; /* least area, or INFINITY if there is none */
+    uint16_t *apex;
+};
+
+/* Returns the area of a triangle, or INFINITY if the triangle is too flat. */
+static double area(const struct hole *hole, uint32_t i, uint32_t k, uint32_t j)
+{
+    const struct gd_vec3 *place = hole->mesh->position;
+    struct gd_vec3 a = place[hole->vertex[i]], b = place[hole->vertex[k]],
+                   c = place[hole->vertex[j]];
+    struct gd__triangle t =
+        gd__triangle_measure(gd_vec3_sub(b, a), gd_vec3_sub(c, b), gd_vec3_sub(a, c));
+    return gd__triangle_flatness(&t) < GD_TOL_EDIT_PATCH ? INFINITY : t.double_area / 2;
+}
+
+static void span_solve(struct spans *spans, uint32_t i, uint32_t j)
+{
+    const size_t n = spans->hole->count;
+    double best = INFINITY;
+    uint32_t apex = 0;
+    for (uint32_t k = i + 1; k < j; k++) {
+        double rest = spans->cost[i * n + k] + spans->cost[k * n + j];
+        if (rest >= best) continue;
+        double cost = rest + area(spans->hole, i, k, j);
+        if (cost < best) best = cost, apex = k;
+    }
+    spans->cost[i * n + j] = best;
+    spans->apex[i * n + j] = (uint16_t)apex;
+}
+
+static void corners_write(const struct spans *spans, uint32_t i, uint32_t j)
+{
+    struct gd__patch *rough = &spans->hole->rough;
+    while (j - i > 1) {
+        uint32_t apex = spans->apex[i * (size_t)spans->hole->count + j];
+        uint32_t *corner = &rough->corners[3 * rough->face_count++];
+        corner[0] = i, corner[1] = apex, corner[2] = j;
+        /* recursion handles the shorter part, so its depth is at most the logarithm of the count */
+        if (apex - i < j - apex) {
+            corners_write(spans, i, apex);
+            i = apex;
+        } else {
+            corners_write(spans, apex, j);
+            j = apex;
+        }
+    }
+}
+
+static enum gd_status spans_solve(struct spans *spans, struct gd__pace *pace,
+                                  struct gd_detail *detail)
+{
+    const uint32_t n = spans->hole->count;
+    for (uint32_t length = 2; length < n; length++) {
+        for (uint32_t i = 0; i + length < n && gd__pace(pace, length); i++) {
+            bool is_chord = length < n - 1;
+            if (is_chord && is_taken(spans->hole, i, i + length))
+                spans->cost[i * (size_t)n + i + length] = INFINITY;
+            else
+                span_solve(spans, i, i + length);
+        }
+    }
+    if (pace->status) return pace->status;
+    if (isinf(spans->cost[n - 1]))
+        return hole_refuse(spans->hole, detail, "can't be filled by triangles that are not flat");
+    corners_write(spans, 0, n - 1);
+    return GD_OK;
+}
+
+static void places_write(struct hole *hole)
+{
+    struct gd__patch *rough = &hole->rough;
+    rough->position_count = rough->loop_count = hole->count;
+    for (uint32_t i = 0; i < hole->count; i++) {
+        struct gd_vec3 p = gd__edit_place(hole->mesh, hole->vertex[i]);
+        memcpy(rough->positions[i], &p, sizeof p);
+    }
+}
+
+/* Computes the rough patch. Errors: GD_NOT_TRIANGULABLE (all triangulations have flat triangles),
+ * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. For n edges: O(n^3) time and 10 n^2 bytes. */
+static enum gd_status hole_triangulate(struct hole *hole, struct gd__pace *pace,
+                                       struct gd_detail *detail)
+{
+    const size_t n = hole->count;
+    struct gd__patch *rough = &hole->rough;
+    struct spans spans = {hole, calloc(n * n, sizeof *spans.cost),
+                          calloc(n * n, sizeof *spans.apex)};
+    rough->positions = malloc(n * sizeof *rough->positions);
+    rough->corners = malloc(3 * n * sizeof *rough->corners);
+    enum gd_status status = GD_NO_MEMORY;
+    if (spans.cost && spans.apex && rough->positions && rough->corners) {
+        places_write(hole);
+        status = spans_solve(&spans, pace, detail);
+    }
+    free(spans.cost);
+    free(spans.apex);
+    return status;
+}
+
+/* --- the patch -------------------------------------------------------------------------------- */
+
+/* Sets `*out` to true if faces of the patch cross, or are too flat for a mesh. */
+static enum gd_status is_bad(const struct gd__patch *patch, const struct gd_control *control,
+                             bool *out)
+{
+    const struct gd_polygons triangles = {.positions = patch->positions,
+                                          .position_count = patch->position_count,
+                                          .polygon_count = patch->face_count,
+                                          .corners = patch->corners};
+    uint32_t *crossed = malloc(patch->face_count * sizeof *crossed);
+    if (!crossed) return GD_NO_MEMORY;
+    enum gd_status status = gd__find_crossings(&triangles, control, crossed);
+    *out = status == GD_DEGENERATE_FACE;
+    for (uint32_t i = 0; !status && i < patch->face_count; i++) *out |= crossed[i] != GD_NONE;
+    free(crossed);
+    return status == GD_DEGENERATE_FACE ? GD_OK : status;
+}
+
+/* Computes the final patch from the rough one. Tries three forms: refined and smoothed, only
+ * refined, and unchanged. Keeps the first form whose faces do not cross. Errors:
+ * GD_NOT_TRIANGULABLE (faces cross in all three forms), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE. */
+static enum gd_status hole_finish(struct hole *hole, const struct gd_control *control,
+                                  struct gd_detail *detail)
+{
+    enum { SMOOTH, REFINED, ROUGH };
+    struct gd__patch *patch = &hole->patch;
+    enum gd_status status = GD_OK;
+    bool bad = true;
+    /* several forms are tried, because smoothing and flips may turn faces over where the loop is
+       not convex */
+    for (int form = SMOOTH; !status && bad && form <= ROUGH; form++) {
+        const struct gd__patch_options options = {form == SMOOTH, is_taken, hole};
+        patch_free(patch);
+        if (form < ROUGH) {
+            status = gd__patch_refine(&hole->rough, &options, control, patch);
+        } else {
+            *patch = hole->rough;
+            hole->rough = (struct gd__patch){0};
+        }
+        if (!status) status = is_bad(patch, control, &bad);
+    }
+    patch_free(&hole->rough);
+    if (status || !bad) return status;
+    return hole_refuse(hole, detail,
+                       is_pinched(hole)
+                           ? "can't be filled: two of its vertices are at the same place"
+                           : "can't be filled by triangles that do not cross");
+}
 
 struct filling {
     const struct gd_mesh *mesh;
@@ -15,7 +241,7 @@ struct filling {
     struct gd__share share;
     struct gd_control part;
     struct gd__pace pace; /* pace of the current part */
-    struct gd__hole *holes;
+    struct hole *holes;
     uint32_t count;
 };
 
@@ -49,12 +275,12 @@ static struct patch_sizes sizes_of(const struct filling *filling)
 
 static enum gd_status fill_one(struct filling *filling, uint32_t loop, struct gd_detail *detail)
 {
-    struct gd__hole *hole = &filling->holes[filling->count++];
-    enum gd_status status = gd__hole_read(filling->mesh, loop, hole);
-    if (!status) status = gd__hole_triangulate(hole, &filling->pace, detail);
+    struct hole *hole = &filling->holes[filling->count++];
+    enum gd_status status = hole_read(filling->mesh, loop, hole);
+    if (!status) status = hole_triangulate(hole, &filling->pace, detail);
     filling->share.done++;
-    if (!status) status = gd__hole_finish(hole, &filling->part, detail);
-    if (status == GD_NOT_TRIANGULABLE) gd__hole_free(&filling->holes[--filling->count]);
+    if (!status) status = hole_finish(hole, &filling->part, detail);
+    if (status == GD_NOT_TRIANGULABLE) hole_free(&filling->holes[--filling->count]);
     return status;
 }
 
@@ -84,12 +310,12 @@ static void remove_crossing(struct filling *filling, const uint32_t *crossed,
 {
     uint32_t kept = 0, first = 0;
     for (uint32_t i = 0; i < filling->count; i++) {
-        struct gd__hole hole = filling->holes[i];
+        struct hole hole = filling->holes[i];
         uint32_t end = first + hole.patch.face_count;
         if (cross_earlier(crossed, first, end)) {
-            (void)gd__hole_refuse(&hole, refusal,
-                                  "can't be filled: the triangles would cross another filled hole");
-            gd__hole_free(&hole);
+            (void)hole_refuse(&hole, refusal,
+                              "can't be filled: the triangles would cross another filled hole");
+            hole_free(&hole);
         } else {
             filling->holes[kept++] = hole;
         }
@@ -166,7 +392,7 @@ struct writing {
     struct gd_edited made;
 };
 
-static enum gd_status write_patch(struct writing *writing, const struct gd__hole *hole)
+static enum gd_status write_patch(struct writing *writing, const struct hole *hole)
 {
     const struct gd__patch *patch = &hole->patch;
     const uint32_t first = writing->vertices - patch->loop_count;
@@ -232,7 +458,7 @@ enum gd_status gd_fill(const struct gd_mesh *mesh, const struct gd_fill_options 
     if (!status) status = fill_all(&filling, detail);
     filling.share.done = filling.share.total - 1;
     if (!status) status = write(&filling, out);
-    for (uint32_t i = 0; i < filling.count; i++) gd__hole_free(&filling.holes[i]);
+    for (uint32_t i = 0; i < filling.count; i++) hole_free(&filling.holes[i]);
     free(filling.holes);
     return status;
 }
