@@ -4,10 +4,13 @@
 #define GD_RENDER_SHADE_H
 
 #include "render/image.h"
-#include "render/normals.h"
 #include "render/raster.h"
 
 #define GD__SHADE_COLOURS 1024
+
+struct gd__normal {
+    float x, y, z;
+};
 
 struct gd__fragment;
 
