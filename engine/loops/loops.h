@@ -15,10 +15,26 @@
 
 #include "base/pace.h"
 #include "gd/trim.h"
-#include "loops/span.h"
 
 /* Largest scaled distance of the sampled polyline from the loops. */
 #define GD__LOOPS_SAG 1e-4
+
+#define GD__SPAN_DEGREE_MAX 15
+
+/* A rational Bézier curve in the parameter plane, the smooth part of a trimming loop. */
+struct gd__span {
+    uint32_t degree, curve; /* curve: number of the curve in the caller's loop */
+    bool is_straight;       /* degree 1 */
+    double (*points)[3];    /* degree + 1 points (w u, w v, w); borrowed from the loops */
+};
+
+/* A place of a span, and its first and second derivative with respect to the parameter. */
+struct gd__span_jet {
+    double at[2], first[2], second[2];
+};
+
+/* Evaluates a span at t in [0, 1]. O(degree^2). */
+void gd__span_jet(const struct gd__span *span, double t, struct gd__span_jet *out);
 
 struct gd__loop {
     uint32_t first_span, span_count;
