@@ -3,7 +3,18 @@
 #ifndef GD_TRANSPORT_CONTROL_POINTS_H
 #define GD_TRANSPORT_CONTROL_POINTS_H
 
-#include "transport/point_paths.h"
+#include "base/share.h"
+#include "gd/spline.h"
+
+/* One path to search. */
+struct gd__point_path {
+    uint32_t from, to;   /* indices of points; if they are equal, no path is searched */
+    struct gd_path path; /* owned; empty until it is found */
+    bool is_cut;         /* true if other paths are equally short */
+};
+
+/* Frees the paths and the array. Accepts NULL. */
+void gd__point_paths_free(struct gd__point_path *paths, uint32_t count);
 
 /* The state of one spline under construction. */
 struct gd__spline_work {
@@ -20,8 +31,8 @@ struct gd__spline_work {
     struct gd_spline_knot *knots; /* path_count + 1 entries, filled by the calls below */
 };
 
-/* Searches the paths. Errors: GD_INVALID_ARGUMENT (two points coincide), and those of
- * gd__point_paths_search. */
+/* Searches the paths. Errors: GD_INVALID_ARGUMENT (two points coincide, or no path joins
+ * them), and those of gd_pair_solve. */
 GD_MUST_USE enum gd_status gd__control_points_search(struct gd__spline_work *work);
 
 /* Computes parameters and tangents from the paths. Errors: GD_NO_MEMORY, GD_BUDGET, GD_INTERNAL. */

@@ -55,8 +55,8 @@ struct gd_workspace {
     struct gd__pool pool;
     struct gd__children left, right;
     struct gd__scratch scratch;
-    /* workspace of a second search at the same time (transport/point_paths.c); NULL if not created
-       yet */
+    /* workspace of a second search at the same time (transport/control_points.c); NULL if not
+       created yet */
     struct gd_workspace *partner;
 };
 
