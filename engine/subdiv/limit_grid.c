@@ -9,17 +9,6 @@
 
 /* --- building --------------------------------------------------------------------------------- */
 
-static uint32_t cells_of(const struct gd_subdivision *surface, uint32_t level)
-{
-    return 1u << (level - (surface->split_first && level > 0));
-}
-
-static uint64_t triangles_of(const struct gd_subdivision *surface, uint32_t level)
-{
-    uint64_t cells = cells_of(surface, level);
-    return surface->base.face_count * cells * cells * (surface->rules->arity == 4 ? 2 : 1);
-}
-
 static size_t positions_bytes(const struct gd_subdivision *surface, uint64_t cells)
 {
     return (size_t)(surface->base.face_count * (cells + 1) * (cells + 1)) * sizeof(struct gd_vec3);
@@ -27,7 +16,7 @@ static size_t positions_bytes(const struct gd_subdivision *surface, uint64_t cel
 
 size_t gd_limit_grid_cost(const struct gd_subdivision *surface, uint32_t level)
 {
-    uint64_t cells = cells_of(surface, level);
+    uint64_t cells = gd__level_cells(surface, level);
     return sizeof(struct gd_limit_grid) + positions_bytes(surface, cells) +
            2 * (size_t)((cells + 1) * (cells + 1)) * sizeof(struct gd_vec3) + (1 << 20);
 }
@@ -39,7 +28,8 @@ static enum gd_status check_level(const struct gd_subdivision *surface,
     if (options->level > GD_LIMIT_LEVEL_MOST || options->level < gd_limit_mesh_least_level(surface))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the level is %u: levels run from %u to %d",
                        options->level, gd_limit_mesh_least_level(surface), GD_LIMIT_LEVEL_MOST);
-    uint64_t triangles = triangles_of(surface, options->level),
+    uint64_t triangles = surface->base.face_count *
+                         gd__face_triangles(surface, gd__level_cells(surface, options->level)),
              most = options->max_faces ? options->max_faces : 1u << 28;
     if (triangles > most)
         return gd_fail(detail, GD_TOO_LARGE,
@@ -122,7 +112,7 @@ enum gd_status gd_limit_grid_build(const struct gd_subdivision *surface,
     if (!grid) return GD_NO_MEMORY;
     grid->surface = gd_subdivision_retain(surface);
     grid->level = options->level;
-    grid->cells = cells_of(surface, options->level);
+    grid->cells = gd__level_cells(surface, options->level);
     grid->stride = (grid->cells + 1) * (grid->cells + 1);
     status = fill(grid, control);
     if (status)

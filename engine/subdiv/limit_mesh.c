@@ -20,19 +20,9 @@ struct gd_limit_mesh {
 
 /* --- sizes ------------------------------------------------------------------------------------ */
 
-static uint64_t triangles_of_face(const struct gd_subdivision *surface, uint64_t cells)
-{
-    return (surface->rules->arity == 4 ? 2 : 1) * cells * cells;
-}
-
-static uint64_t cells_at(const struct gd_subdivision *surface, uint32_t level)
-{
-    return UINT64_C(1) << (level - (surface->split_first && level > 0));
-}
-
 static uint64_t triangles_at(const struct gd_subdivision *surface, uint32_t level)
 {
-    return surface->base.face_count * triangles_of_face(surface, cells_at(surface, level));
+    return surface->base.face_count * gd__face_triangles(surface, gd__level_cells(surface, level));
 }
 
 uint32_t gd_limit_mesh_least_level(const struct gd_subdivision *surface)
@@ -53,7 +43,7 @@ uint32_t gd_limit_mesh_usual_level(const struct gd_subdivision *surface)
 static uint64_t vertices_at(const struct gd_subdivision *surface, uint32_t level)
 {
     return triangles_at(surface, level) / 2 + surface->base.point_count +
-           surface->base_edges * cells_at(surface, level) / 2;
+           (uint64_t)surface->base_edges * gd__level_cells(surface, level) / 2;
 }
 
 size_t gd_limit_mesh_cost(const struct gd_subdivision *surface, uint32_t level)
@@ -106,7 +96,7 @@ enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surface,
         gd_limit_mesh_free(fine);
         return status;
     }
-    fine->cells = (uint32_t)cells_at(surface, options->level);
+    fine->cells = gd__level_cells(surface, options->level);
     *out = fine;
     return GD_OK;
 }
@@ -175,7 +165,7 @@ static bool is_cut_from_a(const struct gd_limit_mesh *fine, uint32_t first)
 
 static uint32_t face_base(const struct gd_limit_mesh *fine, uint32_t face)
 {
-    return face * (uint32_t)triangles_of_face(fine->surface, fine->cells);
+    return face * (uint32_t)gd__face_triangles(fine->surface, fine->cells);
 }
 
 /* --- from places to points -------------------------------------------------------------------- */
@@ -251,7 +241,7 @@ struct gd_limit_point gd_limit_mesh_place(const struct gd_limit_mesh *fine,
     struct gd_point_description known;
     gd_point_describe(fine->mesh, point, &known);
     bool triangles = fine->surface->rules->arity == 3;
-    uint32_t face = known.face.index / (uint32_t)triangles_of_face(fine->surface, fine->cells);
+    uint32_t face = known.face.index / (uint32_t)gd__face_triangles(fine->surface, fine->cells);
     uint32_t n = known.face.index - face_base(fine, face);
     uint32_t i = triangles ? limit_mesh_row_of(fine->cells, n) : n / (2 * fine->cells);
     uint32_t rest = n - first_of_cell(fine, i, 0), j = rest / 2;

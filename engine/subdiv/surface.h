@@ -36,6 +36,18 @@ struct gd_subdivision {
     double size; /* largest extent of the control points */
 };
 
+/* Return the number of cells along a side of a base face at a level, and the number of triangles of
+ * a base face with that many cells. */
+static inline uint32_t gd__level_cells(const struct gd_subdivision *surface, uint32_t level)
+{
+    return 1u << (level - (surface->split_first && level > 0));
+}
+
+static inline uint64_t gd__face_triangles(const struct gd_subdivision *surface, uint64_t cells)
+{
+    return (surface->rules->arity == 4 ? 2 : 1) * cells * cells;
+}
+
 /* An affine map from a face's own coordinates to the coordinates of a face that contains it: origin
  * + s * s[] + t * t[]. */
 struct gd__chart {

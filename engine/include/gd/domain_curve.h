@@ -30,7 +30,7 @@ enum gd_iso { GD_ISO_U, GD_ISO_V };
  * point outside the domain or too many periods away, two equal corners, invalid knots, degree or
  * count out of range), GD_NO_MEMORY. Constructors with `control`, which may be NULL, also return
  * GD_CANCELLED and GD_DEADLINE. A constructor computes where the curve crosses knot lines of the
- * surface; for a long curve this takes up to 0.1 s. The caller owns one reference of `*out`. */
+ * surface; for a long curve this takes up to 0.1 s. The caller owns `*out`. */
 GD_MUST_USE enum gd_status gd_domain_curve_point(const struct gd_parametric *surface, double u,
                                                  double v, struct gd_domain_curve **out,
                                                  struct gd_detail *detail);

@@ -18,7 +18,7 @@ GD_EXTERN_C_BEGIN
 struct gd_landmarks;
 
 /* Builds `count` landmarks, at most 16. Each landmark is the vertex that is farthest from the
- * previous ones. Landmarks keep the mesh alive. The caller owns one reference. Errors:
+ * previous ones. Landmarks keep the mesh alive. The caller owns `*out`. Errors:
  * GD_INVALID_ARGUMENT (count is 0 or more than 16), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
  * GD_DEADLINE, GD_INTERNAL, GD_RUNAWAY. Cost: count + 1 propagations without wedges (the first
  * propagation only chooses the first landmark), and 64 bytes a vertex for any number of landmarks.

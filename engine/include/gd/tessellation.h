@@ -37,10 +37,10 @@ struct gd_tessellation_options {
     uint32_t steps[2];
 };
 
-/* Builds a tessellation; the caller owns one reference of `*out`. Errors: GD_INVALID_ARGUMENT
- * (options out of range), GD_TOO_LARGE (more than GD_TESSELLATION_FACES_MAX triangles), those of
- * gd_mesh_build (the grid is not a valid mesh, because the surface is flat or folds onto itself),
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. O(faces). Thread-safe. */
+/* Builds a tessellation; the caller owns `*out`. Errors: GD_INVALID_ARGUMENT (options out of
+ * range), GD_TOO_LARGE (more than GD_TESSELLATION_FACES_MAX triangles), those of gd_mesh_build (the
+ * grid is not a valid mesh, because the surface is flat or folds onto itself), GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. O(faces). Thread-safe. */
 GD_MUST_USE enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
                                                  const struct gd_tessellation_options *options,
                                                  const struct gd_control *control,
