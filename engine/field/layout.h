@@ -148,6 +148,7 @@ struct gd__leg {
  * the number of a wedge, in the order in which leg.c searches the wedges of the face's edges. */
 struct gd__leg_key {
     double distance;
+    double margin; /* more than 0 if the path is precise although it is short: see margin_of */
     enum gd__leg_kind kind;
     uint32_t face; /* the face in which the path ends */
     uint32_t from;

@@ -168,10 +168,10 @@ static void try_seeds(const struct gd_field *field, uint32_t face, const double 
     }
 }
 
-/* Returns true if a point of a face lies beside a vertex, and the nearest source of that vertex is
- * a point seed beside or at the vertex. */
-static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t face,
-                       const double weight[3])
+/* Returns true if the path through a vertex is precise: the nearest source of the vertex is a point
+ * seed, and each of the seed and the point of the face is at or near the vertex. */
+static bool is_precise_through(const struct gd_field *field, uint32_t vertex, uint32_t face,
+                               const double weight[3])
 {
     uint32_t source = field->predecessor[vertex].source;
     struct gd__polar polar;
@@ -179,24 +179,27 @@ static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t f
     if (source < field->mesh->vertex_count || source == GD_NONE || gd__source_is_linear(source))
         return false;
     const struct gd__seed *seed = &field->seeds[gd__field_seed_of(field, source)];
-    if (!gd__polar_beside(field->mesh, &point, &polar) || polar.vertex != vertex) return false;
+    if (!gd__polar_around(field->mesh, &point, &polar) || polar.vertex != vertex) return false;
     return seed->point.kind == GD_POINT_VERTEX ||
-           (gd__polar_beside(field->mesh, &seed->point, &polar) && polar.vertex == vertex);
+           (gd__polar_around(field->mesh, &seed->point, &polar) && polar.vertex == vertex);
 }
 
 /* Returns the amount by which a path through a wedge must be shorter than the known path. A known
  * path is more precise than a path through a wedge if it satisfies two conditions: it is short
- * compared with the face, and it comes from a point seed, directly or through a vertex beside both
+ * compared with the face, and it comes from a point seed, directly or through a vertex near both
  * the point and the seed. For such a path, the amount is the rounding error of positions in the
- * face. In all other cases the amount is 0. In particular, it is 0 for a known path through another
- * corner, because the length of such a path may be slightly too large. */
+ * face, which is relative to the longest side. In all other cases the amount is 0. In particular,
+ * it is 0 for a known path through another corner, because the length of such a path may be
+ * slightly too large. */
 static inline double margin_of(const struct gd_field *field, uint32_t face, const double weight[3],
                                const struct gd__leg_key *best)
 {
-    double length = field->mesh->side[field->mesh->face_side[face][0]].length;
+    const struct gd_side *s = &field->mesh->side[field->mesh->face_side[face][0]];
+    double length = fmax(s->length, fmax(s->left_length, s->right_length));
     if (best->distance >= GD_TOL_BESIDE_VERTEX * length) return 0;
     bool is_line = best->kind == GD__LEG_SEED && field->seeds[best->from].is_segment;
-    bool is_other = best->kind == GD__LEG_VERTEX && !are_beside(field, best->from, face, weight);
+    bool is_other =
+        best->kind == GD__LEG_VERTEX && !is_precise_through(field, best->from, face, weight);
     return is_line || is_other ? 0 : GD_TOL_BETTER * length;
 }
 
@@ -208,11 +211,8 @@ static void best_in_face(const struct gd_field *field, uint32_t face, const doub
     view_face(field, face, weight, &view);
     for (int k = 0; k < 3; k++) try_corner(field, view.side[k], view.at[k], &best);
     prefetch_rest(field, &view);
-    double margin = 0;
-    if (field->face_seed_count) {
-        try_seeds(field, face, weight, &best);
-        margin = margin_of(field, face, weight, &best);
-    }
+    if (field->face_seed_count) try_seeds(field, face, weight, &best);
+    double margin = margin_of(field, face, weight, &best);
     gd__wedge_view_kernel *kernel = wedge_view_kernel(field->has_segments);
     struct gd__wedge_view wedge_views[WEDGE_VIEWS];
     struct cursor cursor = {0, view.newest[0]};
@@ -225,9 +225,20 @@ static void best_in_face(const struct gd_field *field, uint32_t face, const doub
         for (uint32_t s = 0; s < count && cursor.k < 3; s++) passed += wedge_views[s].chunk->count;
     }
     out->distance = best.distance;
+    out->margin = margin;
     out->kind = best.kind;
     out->from = best.from;
     out->face = face;
+}
+
+/* Returns true if `way` is better than `best`, which ends in the other face of an edge. As inside a
+ * face (margin_of), an imprecise path must be shorter than a precise one by the margin. */
+static bool is_better(const struct gd__leg_key *way, const struct gd__leg_key *best)
+{
+    if ((way->margin > 0) != (best->margin > 0))
+        return way->distance - way->margin < best->distance - best->margin;
+    return way->distance < best->distance ||
+           (way->kind == GD__LEG_SEED && seed_takes_tie(best, way->distance));
 }
 
 /* Finds the best path to a point of an edge, over the faces on both sides. */
@@ -236,6 +247,7 @@ static void best_at_edge(const struct gd_field *field, const struct gd_point *po
 {
     const struct gd_mesh *mesh = field->mesh;
     best->distance = GD__FAR;
+    best->margin = 0;
     best->kind = GD__LEG_NONE;
     for (uint32_t side = 2 * point->element; side < 2 * point->element + 2; side++) {
         uint32_t face = mesh->side_face[side];
@@ -244,9 +256,7 @@ static void best_at_edge(const struct gd_field *field, const struct gd_point *po
         if (face == GD_NONE) continue;
         gd__point_weights(mesh, point, face, weight);
         best_in_face(field, face, weight, &way);
-        if (way.distance < best->distance ||
-            (way.kind == GD__LEG_SEED && seed_takes_tie(best, way.distance)))
-            *best = way;
+        if (is_better(&way, best)) *best = way;
     }
 }
 
@@ -256,6 +266,7 @@ void gd__field_leg_key(const struct gd_field *field, const struct gd_point *poin
     switch (point->kind) {
     case GD_POINT_VERTEX:
         out->distance = field->distance[point->element];
+        out->margin = 0;
         out->kind = out->distance < GD__FAR ? GD__LEG_VERTEX : GD__LEG_NONE;
         out->from = point->element;
         out->face = 0;

@@ -56,6 +56,20 @@ static double least_altitude(const struct gd_mesh *mesh, uint32_t vertex)
     return least;
 }
 
+/* Returns the least distance from a vertex to the opposite sides of its faces. */
+static double least_reach(const struct gd_mesh *mesh, uint32_t vertex)
+{
+    double least = INFINITY;
+    for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
+        const struct gd_side *s = &mesh->side[mesh->fan[i].side];
+        double a = s->length, b = s->left_length, opposite = s->right_length;
+        /* an angle of 90 degrees or more at an end of the opposite side: this end is nearest */
+        bool is_end = a * a + opposite * opposite <= b * b || b * b + opposite * opposite <= a * a;
+        least = fmin(least, is_end ? fmin(a, b) : a * b * s->left_y / opposite);
+    }
+    return least;
+}
+
 /* Returns the vertex with the largest weight, or GD_NONE if this weight is not close to 1. */
 static uint32_t main_vertex(const struct gd_mesh *mesh, const struct gd_point *point)
 {
@@ -70,13 +84,31 @@ static uint32_t main_vertex(const struct gd_mesh *mesh, const struct gd_point *p
     return GD_NONE;
 }
 
+/* Computes the polar coordinates about the vertex with a weight close to 1; returns false if there
+ * is none. */
+static bool about_main_vertex(const struct gd_mesh *mesh, const struct gd_point *point,
+                              struct gd__polar *out)
+{
+    uint32_t vertex = main_vertex(mesh, point);
+    return vertex != GD_NONE && gd__polar_about(mesh, point, vertex, out);
+}
+
 bool gd__polar_beside(const struct gd_mesh *mesh, const struct gd_point *point,
                       struct gd__polar *out)
 {
-    uint32_t vertex = main_vertex(mesh, point);
     struct gd__polar polar;
-    if (vertex == GD_NONE || !gd__polar_about(mesh, point, vertex, &polar)) return false;
-    if (polar.radius > GD_TOL_BESIDE_VERTEX * least_altitude(mesh, vertex)) return false;
+    if (!about_main_vertex(mesh, point, &polar)) return false;
+    if (polar.radius > GD_TOL_BESIDE_VERTEX * least_altitude(mesh, polar.vertex)) return false;
+    *out = polar;
+    return true;
+}
+
+bool gd__polar_around(const struct gd_mesh *mesh, const struct gd_point *point,
+                      struct gd__polar *out)
+{
+    struct gd__polar polar;
+    if (!about_main_vertex(mesh, point, &polar)) return false;
+    if (polar.radius > 0.5 * least_reach(mesh, polar.vertex)) return false;
     *out = polar;
     return true;
 }

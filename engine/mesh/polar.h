@@ -30,6 +30,14 @@ bool gd__polar_about(const struct gd_mesh *mesh, const struct gd_point *point, u
 bool gd__polar_beside(const struct gd_mesh *mesh, const struct gd_point *point,
                       struct gd__polar *out);
 
+/* Like gd__polar_beside, for points whose straight line around the vertex is sought. The vertex
+ * must be nearer than half of the distance to the opposite side of each of its faces. So a straight
+ * line between two such points, around or through the vertex, is the shortest path: a path that
+ * leaves the faces of the vertex is longer. In narrow faces, points much farther from the vertex
+ * than those of gd__polar_beside satisfy this. */
+bool gd__polar_around(const struct gd_mesh *mesh, const struct gd_point *point,
+                      struct gd__polar *out);
+
 /* Returns the position of a point in the plane of a fan entry's face. The entry's side lies on the
  * x axis. `turn` is the angle from this side to the point. The point may lie outside the face. */
 static inline struct gd__local gd__polar_place(const struct gd__polar *polar, double turn)

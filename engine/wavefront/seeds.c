@@ -106,9 +106,10 @@ static void seed_face(struct gd__wavefront *front, struct gd__segment_cache *cac
     for (int k = 0; k < 3; k++) {
         const struct gd_side *s = &mesh->side[sides[k]];
         struct gd__local way =
-            is_beside ? to_apex_of_face(s, point->weight[k], point->weight[(k + 1) % 3])
-                      /* this is rounded in the same way as the paths from the joint's segments */
-                      : to_apex(s, at[k]);
+            is_apart(&joint)
+                ? to_apex_of_face(s, point->weight[k], point->weight[(k + 1) % 3])
+                /* this is rounded in the same way as the paths from the joint's segments */
+                : to_apex(s, at[k]);
         seed_apex(front, seed, sides[k], at[k], way, &directions[k]);
     }
     for (int k = 0; k < 3; k++) {
@@ -170,8 +171,8 @@ static void seed_edge(struct gd__wavefront *front, struct gd__segment_cache *cac
     const struct gd__segment_directions other = gd__directions_from_other_side(directions);
     struct gd__polar polar = {.vertex = GD_NONE};
     bool is_beside = is_apart(&joint) && gd__polar_beside(front->mesh, point, &polar);
-    /* this is rounded in the same way as the ends of the joint's segments */
-    double rest = is_beside ? gd__edge_rest(point) * length : length - t;
+    /* length - t is rounded in the same way as the ends of the joint's segments */
+    double rest = is_apart(&joint) ? gd__edge_rest(point) * length : length - t;
     seed_corners(front, seed, side, t, &directions);
     seed_corners(front, seed, side ^ 1, rest, &other);
     seed_half_edge(front, seed, side, t, polar.vertex, &directions);

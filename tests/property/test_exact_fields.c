@@ -267,13 +267,14 @@ static void compare_pair(struct exact_unit *unit, struct exact_truth *truth,
 
 /* Uses a source close to a vertex. The targets are the vertex and points equally close to the
  * vertex. */
-static void short_distances(uint64_t number, struct exact_tally *tally)
+static void check_short_distances(enum exact_kind kind, uint64_t number, double least, double most,
+                                  struct exact_tally *tally)
 {
     struct exact_scene scene;
-    exact_scene_open((enum exact_kind)(number % EXACT_KINDS), number, &scene);
+    exact_scene_open(kind, number, &scene);
     for (int i = 0; i < FIELDS; i++) {
         uint32_t vertex = exact_random_vertex(&scene);
-        double size = rng_between(&scene.rng, -14, -3);
+        double size = rng_between(&scene.rng, least, most);
         struct gd_seed seed = {.point = exact_beside_vertex(&scene, vertex, size, size + 0.3)};
         struct exact_unit unit = {.scene = &scene, .seeds = &seed, .seed_count = 1};
         struct exact_truth truth;
@@ -291,6 +292,18 @@ static void short_distances(uint64_t number, struct exact_tally *tally)
         exact_conclude(&unit, tally);
     }
     exact_scene_close(&scene);
+}
+
+static void short_distances(uint64_t number, struct exact_tally *tally)
+{
+    check_short_distances((enum exact_kind)(number % EXACT_KINDS), number, -14, -3, tally);
+}
+
+/* In these faces, the points are beside several edges at once, and the rounding errors of positions
+ * are relative to the long edges. */
+static void needles(uint64_t number, struct exact_tally *tally)
+{
+    check_short_distances(EXACT_NEEDLES, number, -9, -5, tally);
 }
 
 /* --- tubes ------------------------------------------------------------------------------------ */
@@ -317,6 +330,8 @@ static const struct exact_section sections[] = {
      rounded_vertices, 300, 20000, EXACT_HOLDS},
     {"short_distances", "distances between points 1e-14 to 1e-3 edge lengths from a vertex",
      short_distances, 300, 20000, EXACT_HOLDS},
+    {"needles", "distances beside vertices of faces 1e4 to 3e5 times as long as wide", needles, 600,
+     20000, EXACT_HOLDS},
     {"snaps", "points move by at most 1e-14 edge lengths, as is reported", snaps, 1000, 100000,
      EXACT_HOLDS},
     {"thin_tubes", "fields on tubes down to 5e-9 of their length thin", thin_tubes, 24, 5000,

@@ -34,6 +34,15 @@ static enum gd_status make_tube(struct rng *rng, struct gd_polygons *out)
     return sample_cylinder(radius, 1, 3 + rng_below(rng, 3), 4 + (uint32_t)(4e-7 / radius), out);
 }
 
+static enum gd_status make_needles(struct rng *rng, struct gd_polygons *out)
+{
+    uint32_t cells = 4 + rng_below(rng, 4);
+    double roughness = rng_between(rng, 0.1, 1.5), stretch = pow(10, rng_between(rng, 4, 5.5));
+    enum gd_status status = sample_terrain(cells, roughness, rng_next(rng), out);
+    for (uint32_t i = 0; !status && i < out->position_count; i++) out->positions[i][0] *= stretch;
+    return status;
+}
+
 static enum gd_status make_polygons(enum exact_kind kind, struct rng *rng, struct gd_polygons *out)
 {
     enum gd_status status = GD_OK;
@@ -52,6 +61,8 @@ static enum gd_status make_polygons(enum exact_kind kind, struct rng *rng, struc
         return status;
     case EXACT_TUBE:
         return make_tube(rng, out);
+    case EXACT_NEEDLES:
+        return make_needles(rng, out);
     default:
         return make_graded(rng, out);
     }

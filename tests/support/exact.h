@@ -15,14 +15,15 @@
 #define EXACT_PROMISE 1e-9
 
 /* Suites use the kinds below EXACT_KINDS in turn. The thinnest tubes have a radius of 5e-9 of their
- * length. */
+ * length. Needles are terrain, stretched 1e4 to 3e5 times along one axis. */
 enum exact_kind {
     EXACT_TERRAIN,
     EXACT_SPHERE,
     EXACT_TORUS,
     EXACT_GRADED,
     EXACT_KINDS,
-    EXACT_TUBE = EXACT_KINDS
+    EXACT_TUBE = EXACT_KINDS,
+    EXACT_NEEDLES
 };
 
 struct exact_scene {

@@ -44,6 +44,7 @@ static void radius_and_angle_keep_their_digits(void **state)
             check_close(polar.radius, radius, 1e-14);
             assert_true(fabs(polar.angle - mesh->fan[i].angle - turn) < 1e-14);
             assert_true(gd__polar_beside(mesh, &point, &polar) && polar.vertex == v);
+            assert_true(gd__polar_around(mesh, &point, &polar) && polar.vertex == v);
         }
     }
     gd_mesh_release(mesh);
@@ -107,12 +108,35 @@ static void other_points_are_close_to_no_vertex(void **state)
     gd_mesh_release(mesh);
 }
 
+/* The vertex 0 has two faces whose opposite side 1-2 has the length 1e-5. A point at 1e-3 of the
+ * length of a face is far from the vertex, compared with the face's altitude, but not compared with
+ * the distance of the opposite side. At vertex 1 both distances are small. */
+static void points_near_the_tip_of_a_needle_are_around_it(void **state)
+{
+    (void)state;
+    double positions[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1e-5, 0}, {1, -1e-5, 0}};
+    uint32_t corners[6] = {0, 1, 2, 0, 3, 1};
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = 4, .corners = corners, .polygon_count = 2};
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd__polar polar;
+    for (uint32_t v = 0; v < 2; v++) {
+        struct gd_point point;
+        const struct gd_vertex ends[2] = {{v}, {!v}};
+        check_ok(gd_point_on_edge(mesh, ends, 1e-3, &point, NULL), NULL);
+        assert_false(gd__polar_beside(mesh, &point, &polar));
+        assert_int_equal(gd__polar_around(mesh, &point, &polar), v == 0);
+    }
+    gd_mesh_release(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(radius_and_angle_keep_their_digits),
         cmocka_unit_test(a_point_of_an_edge_lies_where_its_entry_begins),
         cmocka_unit_test(the_last_edge_of_a_boundary_ends_the_fan),
-        cmocka_unit_test(other_points_are_close_to_no_vertex)};
+        cmocka_unit_test(other_points_are_close_to_no_vertex),
+        cmocka_unit_test(points_near_the_tip_of_a_needle_are_around_it)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
