@@ -298,6 +298,11 @@
  * powers stay in range. */
 #define GD_EXTENT_RATIO 1e75
 
+/* A parametric surface is rejected if its size, the width of its domain or their quotient is beyond
+ * this or its inverse. The quotient is the size of first derivatives, whose fourth powers must stay
+ * in range, with a reserve for parts of the surface where derivatives are smaller or larger. */
+#define GD_EXTENT_SURFACE 1e60
+
 /* --- parametric surfaces (nurbs) -------------------------------------------------------------- */
 
 /* Two borders of a surface count as one curve if they differ by at most this part of the surface's

@@ -114,6 +114,30 @@ static double probe(const struct gd_axis *axis, int i)
     return i == PROBES - 1 ? axis->high : axis->low + (axis->high - axis->low) * i / (PROBES - 1);
 }
 
+static bool is_in_range(double x)
+{
+    return x <= GD_EXTENT_SURFACE && x >= 1 / GD_EXTENT_SURFACE;
+}
+
+static enum gd_status check_extent(const struct gd_parametric *surface, struct gd_detail *detail)
+{
+    double size = surface->size;
+    if (!is_in_range(size))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the size of the surface is %g: must be %g to %g; scale the surface", size,
+                       1 / GD_EXTENT_SURFACE, GD_EXTENT_SURFACE);
+    for (int k = 0; k < 2; k++) {
+        double width = surface->axis[k]->high - surface->axis[k]->low;
+        if (!is_in_range(width) || !is_in_range(size / width))
+            return gd_fail(
+                detail, GD_INVALID_ARGUMENT,
+                "the width of the domain in %s is %g for a surface of size %g: the width "
+                "and the quotient must be %g to %g; scale the parameters",
+                k ? "v" : "u", width, size, 1 / GD_EXTENT_SURFACE, GD_EXTENT_SURFACE);
+    }
+    return GD_OK;
+}
+
 static enum gd_status surface_measure(struct gd_parametric *surface, struct gd_detail *detail)
 {
     struct gd_vec3 min = {INFINITY, INFINITY, INFINITY}, max = {-INFINITY, -INFINITY, -INFINITY};
@@ -129,8 +153,7 @@ static enum gd_status surface_measure(struct gd_parametric *surface, struct gd_d
     }
     surface->size = gd_vec3_distance(min, max);
     surface->farthest = fmax(gd_vec3_length(min), gd_vec3_length(max));
-    if (surface->size > 1 / GD_EXTENT_MAX) return GD_OK;
-    return gd_fail(detail, GD_INVALID_ARGUMENT, "the surface is a point");
+    return check_extent(surface, detail);
 }
 
 /* Returns the greatest distance between corresponding points of two borders of direction k. If

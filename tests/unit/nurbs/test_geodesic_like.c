@@ -60,6 +60,64 @@ static void scale_and_place_do_not_matter(void **state)
     }
 }
 
+/* A square of this size in the plane, whose lines of parameters are perspective: the weights of two
+ * opposite sides differ by a factor of 20. The domain is a square, too. */
+static enum gd_status perspective_square(double size, double width, struct gd_parametric **out,
+                                         struct gd_detail *detail)
+{
+    const double points[4][3] = {{0, 0, 0}, {0, size, 0}, {size, 0, 0}, {size, size, 0}},
+                 knots[4] = {0, 0, width, width}, weights[4] = {1, 20, 20, 400};
+    return gd_nurbs_create(&(struct gd_nurbs_data){.degree_u = 1,
+                                                   .degree_v = 1,
+                                                   .count_u = 2,
+                                                   .count_v = 2,
+                                                   .knots_u = knots,
+                                                   .knots_v = knots,
+                                                   .knot_count_u = 4,
+                                                   .knot_count_v = 4,
+                                                   .points = points,
+                                                   .weights = weights},
+                           out, detail);
+}
+
+/* Sizes and domains are computed with or rejected, but never give a wrong length. Returns true if
+ * they are computed with. */
+static bool extent_is_exact(double size, double width)
+{
+    struct gd_detail detail = {0};
+    struct gd_parametric *surface = NULL;
+    enum gd_status status = perspective_square(size, width, &surface, &detail);
+    if (status) {
+        assert_int_equal(status, GD_INVALID_ARGUMENT);
+        assert_non_null(strstr(detail.text, "must be 1e-60 to 1e+60"));
+        return false;
+    }
+    struct scene scene = open_scene(surface);
+    /* places of the points (0.1, 0.9) and (0.9, 0.2) of the unit square */
+    const double p = 0.1 / (20 - 19 * 0.1), q = 0.9 / (20 - 19 * 0.9), r = 0.2 / (20 - 19 * 0.2);
+    double length = between(&scene, p * width, q * width, q * width, r * width);
+    check_close(length / size, hypot(0.8, 0.7), promise);
+    close_scene(&scene);
+    return true;
+}
+
+static void extreme_extents_are_exact_or_rejected(void **state)
+{
+    (void)state;
+    const double good[] = {1e-59, 1e-29, 1, 1e29, 1e59}, bad[] = {1e-70, 1e-66, 1e66, 1e70};
+    for (int i = 0; i < 5; i++) {
+        assert_true(extent_is_exact(good[i], 1));
+        assert_true(extent_is_exact(1, good[i]));
+        assert_true(extent_is_exact(good[i], good[i]));
+        assert_int_equal(extent_is_exact(good[i], 1 / good[i]), i > 0 && i < 4);
+    }
+    for (int i = 0; i < 4; i++) {
+        assert_false(extent_is_exact(bad[i], 1));
+        assert_false(extent_is_exact(1, bad[i]));
+        assert_false(extent_is_exact(bad[i], bad[i]));
+    }
+}
+
 static void the_bilinear_diagonal(void **state)
 {
     (void)state;
@@ -419,6 +477,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(torus_lengths_by_clairauts_relation),
         cmocka_unit_test(scale_and_place_do_not_matter),
+        cmocka_unit_test(extreme_extents_are_exact_or_rejected),
         cmocka_unit_test(the_bilinear_diagonal),
         cmocka_unit_test(sphere_away_from_its_poles_and_through_one),
         cmocka_unit_test(cylinder_and_cone_unrolled),
