@@ -37,7 +37,7 @@ $(BUILD)/gd_load: $(BUILD)/obj/tests/fault/load.c.o $(LINK)
 FUZZERS      := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZ_SECONDS ?= 60
 # Fault tests in their short form. `make torture` runs the long form.
-FAULT_TESTS   = tests/fault/soak.py "tests/fault/answers.py --short" tests/fault/replay.py "$(BUILD)/gd_alloc --short" "tests/fault/tenants.py --short" tests/fault/flip.py \
+FAULT_TESTS   = tests/fault/soak.py "tests/fault/answers.py --short" tests/fault/replay.py "tests/fault/tenants.py --short" tests/fault/flip.py \
                 tests/fault/kill.py tests/fault/stuck_log.py "tests/fault/overload.py --short" tests/fault/disconnect.py "tests/fault/halfopen.py --short" \
                 tests/fault/scarcity.py tests/fault/restore.py "tests/fault/deadline.py --short --count 300"
 

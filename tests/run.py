@@ -1,24 +1,30 @@
 #!/usr/bin/env python3
 """Runs test programs and reports how many tests passed.
 
-usage: tests/run.py [--jobs N] [--timeout SECONDS] PROGRAM...
+usage: tests/run.py [--jobs N] [--timeout SECONDS] PROGRAM... [--waiting PROGRAM...]
 
 A program is a cmocka binary (its TAP output is counted), or any other command that prints lines `ok
 NAME` / `not ok NAME` / `skip NAME: REASON`. The output of a failed program is shown, without the
 tests that passed. Skipped tests, and lines that begin with `# ` (figures worth reporting), are
-always shown. The number of programs that run at once is one more than the number of cores, because
-some programs mostly wait. A program is reported when it has ended. The last line is `N passed, N
-failed, N skipped`; the exit status is 0 only if nothing failed and something passed.
+always shown. A program is reported when it has ended. The last line is `N passed, N failed, N
+skipped`; the exit status is 0 only if nothing failed and something passed.
+
+Programs of --waiting mostly wait for daemons, so they need little of a processor. At most WAITING
+of them run at once, beside the others. The number of programs that run at once is one more than
+the number of cores, and with --waiting two more. Programs begin in the given order.
 """
 import argparse
+import collections
 import concurrent.futures
 import os
 import re
 import shlex
 import subprocess
 import sys
+import threading
 import time
 
+WAITING = 2  # programs of --waiting that run at once, while there are others
 OK = re.compile(r"^ok\b(?!.*# SKIP)", re.M | re.I)
 NOT_OK = re.compile(r"^not ok\b(?!.*# SKIP)", re.M)
 # also matches "not ok", which cmocka prints for skipped tests
@@ -45,6 +51,26 @@ def run(command, timeout):
     return command, output, passed, failed, skipped, time.monotonic() - started
 
 
+class Programs:
+    """The programs that have not begun."""
+
+    def __init__(self, computing, waiting):
+        self.computing, self.waiting = collections.deque(computing), collections.deque(waiting)
+        self.running = 0  # of those that wait
+        self.lock = threading.Lock()
+
+    def run_next(self, timeout):
+        with self.lock:
+            waits = bool(self.waiting) and (self.running < WAITING or not self.computing)
+            program = (self.waiting if waits else self.computing).popleft()
+            self.running += waits
+        try:
+            return run(program, timeout)
+        finally:
+            with self.lock:
+                self.running -= waits
+
+
 def worth_telling(output, failed):
     """Returns a failed program's output without the tests that passed: logs are truncated, and must
     keep the failures. For a program that has not failed, returns its skips and the lines that begin
@@ -61,13 +87,17 @@ def worth_telling(output, failed):
 
 def main():
     arguments = argparse.ArgumentParser()
-    arguments.add_argument("--jobs", type=int, default=(os.cpu_count() or 1) + 1)
+    arguments.add_argument("--jobs", type=int)
     arguments.add_argument("--timeout", type=float, default=1200)
+    arguments.add_argument("--waiting", nargs="+", default=[])
     arguments.add_argument("programs", nargs="+")
     options = arguments.parse_args()
+    jobs = options.jobs or (os.cpu_count() or 1) + (2 if options.waiting else 1)
+    programs = Programs(options.programs, options.waiting)
+    count = len(options.programs) + len(options.waiting)
     total = [0, 0, 0]
-    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for future in concurrent.futures.as_completed([pool.submit(run, program, options.timeout) for program in options.programs]):
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        for future in concurrent.futures.as_completed([pool.submit(programs.run_next, options.timeout) for _ in range(count)]):
             command, output, passed, failed, skipped, seconds = future.result()
             total = [total[0] + passed, total[1] + failed, total[2] + skipped]
             print(f"{'FAIL' if failed else 'ok  '} {command}  {passed} passed, {failed} failed, {skipped} skipped, {seconds:.1f} s")

@@ -76,15 +76,15 @@ api_part = "tests/api/run.py $(shell printf '%s\n' $(API_MODULES) | awk 'NR % 4 
 WEB_FIRST  := types,modules:,viewer:,surfaces:,uploads:,answers:,history:
 WEB_SECOND := layout:,picture:,derive:,embed:,modes:,docs:,figures:
 
-# The longest programs begin. Programs that mostly wait for daemons lie between those that compute,
-# because they leave the processor to the others.
-LONG_TESTS    = "tests/fault/alloc.py --short" "tests/api/run.py test_contract_problems" $(call api_part,1) \
-                "tests/web/run.py --build $(BUILD) --only $(WEB_SECOND)" $(call api_part,2) "$(FUZZ_SHORT)"
-WAITING_TESTS = tests/cluster/run.py $(call api_part,3) "tests/web/run.py --build $(BUILD) --only $(WEB_FIRST)" "tests/fault/disk.py --step 7" \
-                "tests/cluster/shared.py --short" $(call api_part,4) "tests/package/run.py --build $(BUILD)" "tests/cluster/routing.py --short" \
-                "tests/package/libraries.py --build $(BUILD)"
-SHORT_TESTS   = $(FAULT_TESTS) "tests/cluster/capacity.py --short" "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
-                $(foreach name,table peers plots throughput,"tests/bench/$(name).py --quick --build $(BUILD)") \
+# The longest programs of each list begin. WAITING_TESTS mostly wait for daemons, so tests/run.py
+# runs a few of them at a time, beside the programs that compute.
+LONG_TESTS    = "tests/fault/alloc.py --short" "tests/web/run.py --build $(BUILD) --only $(WEB_SECOND)" \
+                "tests/api/run.py test_contract_problems" "tests/web/run.py --build $(BUILD) --only $(WEB_FIRST)" "$(FUZZ_SHORT)"
+WAITING_TESTS = "tests/package/run.py --build $(BUILD)" $(foreach part,2 3 4 1,$(call api_part,$(part))) "tests/fault/disk.py --step 7" tests/cluster/run.py \
+                "tests/cluster/shared.py --short" "tests/cluster/routing.py --short" \
+                $(FAULT_TESTS) "tests/cluster/capacity.py --short"
+SHORT_TESTS   = "tests/package/libraries.py --build $(BUILD)" "$(BUILD)/gd_alloc --short" "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" \
+                "$(BUILD)/gd_bench ablation --quick" $(foreach name,table peers plots throughput,"tests/bench/$(name).py --quick --build $(BUILD)") \
                 tests/package/dist.py tests/oracle/mirror.py tests/cluster/shipped.py "$(FUZZ_REPLAY)"
 
 test: announce-test setup-test ## set up and run all tests
@@ -97,7 +97,7 @@ test: announce-test setup-test ## set up and run all tests
 # before the setup unpacks OpenMesh.
 .PHONY: run-tests
 run-tests:
-	@tests/run.py $(LONG_TESTS) $(ASAN_PROGRAMS) $(WAITING_TESTS) $(TEST_PROGRAMS) $(SHORT_TESTS)
+	@tests/run.py $(LONG_TESTS) $(ASAN_PROGRAMS) $(TEST_PROGRAMS) $(SHORT_TESTS) --waiting $(WAITING_TESTS)
 
 # $(call install_from_npm,FOLDER,PACKAGES,WHAT IS SKIPPED WITHOUT THEM): installs packages below
 # $(BUILD)/FOLDER, unless the same packages are installed there.
