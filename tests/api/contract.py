@@ -129,7 +129,7 @@ class Contract:
         self.patterns = [(path, re.compile(re.sub(r"\{\w+\}", "[^/]+", path))) for path in self.paths]
         self.by_place = {(each.path, each.method): each for each in self.operations}
         self.names_of_fields = tuple(sorted({word for each in self.operations for word in each.words("select")}))
-        self.schemas = {}
+        self.schemas, self.roots = {}, {}
 
     def operation(self, method, target):
         """Returns the operation of a request, or None. HEAD matches the operations of GET."""
@@ -140,15 +140,23 @@ class Contract:
 
     def invalid(self, value, schema, place, optional=()):
         """Yields the faults of a value. `optional` are the names of members that may be missing."""
-        from jsonschema import Draft202012Validator, exceptions
+        from jsonschema import exceptions
         key = json.dumps(schema, sort_keys=True) + " ".join(optional)
         if key not in self.schemas:
-            schemas = {"components": {"schemas": self.document["components"]["schemas"]}, **schema}
-            self.schemas[key] = Draft202012Validator(checked(schemas, optional))
+            self.schemas[key] = self.root(optional).evolve(schema=checked(schema, optional))
         error = exceptions.best_match(self.schemas[key].iter_errors(value))
         if error:
             where = "/".join(str(part) for part in error.absolute_path)
             yield f"{place}: at /{where} {error.message[:300]}"
+
+    def root(self, optional):
+        """Returns a validator that has all schemas of the contract. A validator that evolves from
+        it resolves references in them; a copy of all schemas for each validator takes seconds."""
+        from jsonschema import Draft202012Validator
+        if optional not in self.roots:
+            schemas = {"components": {"schemas": self.document["components"]["schemas"]}}
+            self.roots[optional] = Draft202012Validator(checked(schemas, optional))
+        return self.roots[optional]
 
     def faults(self, method, target, answer, is_thin=False):
         """Yields sentences, each of which describes a difference between an answer and the

@@ -45,6 +45,7 @@ class Scene:
         self.daemon, self.contract, self.headers = daemon, contract, headers
         self.by_name = {each.name: each for each in contract.operations}
         self.field = self.job = self.batch = ""
+        self.filled = None  # `changes` of the daemon after fill
 
     def must(self, method, path, body=None, headers=None):
         answer = self.daemon.request(method, path, body, {**self.headers, **(headers or {})})
@@ -59,8 +60,10 @@ class Scene:
             self.must("PUT", self.path(self.by_name[put]), self.shown_body(put), JSON)
 
     def fill(self):
-        """Creates all surfaces, the field and the job. May be called again; existing surfaces stay
-        unchanged."""
+        """Creates all surfaces, the field and the job. May be called again: existing surfaces stay
+        unchanged, and if no request has changed anything, nothing is sent."""
+        if self.filled == self.daemon.changes:
+            return self
         self.put_surfaces()
         for operation in ("post_nurbs_tessellate", "post_subdivision_tessellate", "post_derive"):
             self.must("POST", self.path(self.by_name[operation]), self.shown_body(operation), JSON)
@@ -69,12 +72,13 @@ class Scene:
         # deletes the previous batch first, because the daemon permits at most a thousand batches
         self.daemon.request("DELETE", f"/v1/batches/{self.batch or 'none'}", headers=self.headers)
         self.batch = self.end_of_job(self.must("POST", "/v1/batches", self.shown_body("create_batch"), JSON))
+        self.filled = self.daemon.changes
         return self
 
     def pretend(self):
         """Sets the ids of the field and the job as for a restarted daemon, which still has its
         surfaces, but no fields and jobs."""
-        self.field, self.job, self.batch = "0" * 32, "0" * 24, "0" * 24
+        self.field, self.job, self.batch, self.filled = "0" * 32, "0" * 24, "0" * 24, None
         return self
 
     def start_job(self, target, document):

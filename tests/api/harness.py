@@ -81,11 +81,12 @@ def wait_until(look, seconds=PATIENCE_SECONDS):
 
 class Daemon:
     """A running daemon, and a context manager that stops it. `log` has the lines that it has
-    logged."""
+    logged. `changes` counts the successful requests that may have changed surfaces, fields or
+    jobs."""
 
     def __init__(self, *flags, listen="127.0.0.1:0"):
         store = () if "--data-dir" in flags else ("--store", "memory")
-        self.log = []
+        self.log, self.changes = [], 0
         self.process = subprocess.Popen([PROGRAM, "--listen", listen, *store, *flags], stderr=subprocess.PIPE, text=True)
         # a failed test must not leave a daemon that holds its output open
         weakref.finalize(self, self.process.kill)
@@ -135,8 +136,12 @@ class Daemon:
         finally:
             if not connection:
                 own.close()
+        self._count(method, answer)
         hold_against_contract(method, path, answer)
         return answer
+
+    def _count(self, method, answer):
+        self.changes += answer.status < 400 and (method not in ("GET", "HEAD") or answer.status == 202)
 
     def request_bare(self, method, path, headers):
         """Sends a request without a body, and without the Content-Length that http.client would
@@ -148,9 +153,11 @@ class Daemon:
                 connection.putheader(name, value)
             connection.endheaders()
             response = connection.getresponse()
-            return Answer(response.status, response.headers, response.read())
+            answer = Answer(response.status, response.headers, response.read())
         finally:
             connection.close()
+        self._count(method, answer)
+        return answer
 
     def get(self, path, **headers):
         return self.request("GET", path, headers=header_fields(headers))
