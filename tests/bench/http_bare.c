@@ -2,12 +2,15 @@
  * daemon's flags and number of threads; throughput.py compares the daemon's requests a second with
  * this program's.
  *
- * usage: gd_http_bare THREADS BYTES
+ * usage: gd_http_bare THREADS BYTES [NAME VALUE]...
+ *
+ * Each NAME and VALUE is a header of the answer.
  *
  * Listens on a free port of 127.0.0.1, prints its number, and serves until its standard input
  * ends. */
 #include <arpa/inet.h>
 #include <microhttpd.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,12 +44,17 @@ static struct MHD_Daemon *start(unsigned threads, struct MHD_Response *response)
                             MHD_OPTION_CONNECTION_TIMEOUT, 30u, MHD_OPTION_END);
 }
 
-static struct MHD_Response *make_response(size_t bytes)
+/* `headers` are pairs of name and value; NULL ends them. */
+static struct MHD_Response *make_response(size_t bytes, char **headers)
 {
     char *body = malloc(bytes);
     if (!body) return NULL;
     memset(body, 'x', bytes);
-    return MHD_create_response_from_buffer(bytes, body, MHD_RESPMEM_MUST_FREE);
+    struct MHD_Response *response =
+        MHD_create_response_from_buffer(bytes, body, MHD_RESPMEM_MUST_FREE);
+    for (; response && *headers; headers += 2)
+        if (MHD_add_response_header(response, headers[0], headers[1]) != MHD_YES) return NULL;
+    return response;
 }
 
 static void serve(struct MHD_Daemon *daemon)
@@ -59,13 +67,14 @@ static void serve(struct MHD_Daemon *daemon)
 
 int main(int argc, char **argv)
 {
-    long threads = argc == 3 ? strtol(argv[1], NULL, 10) : 0,
-         bytes = argc == 3 ? strtol(argv[2], NULL, 10) : 0;
+    bool is_complete = argc >= 3 && argc % 2 == 1; /* each name has a value */
+    long threads = is_complete ? strtol(argv[1], NULL, 10) : 0,
+         bytes = is_complete ? strtol(argv[2], NULL, 10) : 0;
     if (threads < 1 || threads > 1024 || bytes < 1 || bytes > BYTES_MOST) {
-        fprintf(stderr, "usage: gd_http_bare THREADS BYTES\n");
+        fprintf(stderr, "usage: gd_http_bare THREADS BYTES [NAME VALUE]...\n");
         return 2;
     }
-    struct MHD_Response *response = make_response((size_t)bytes);
+    struct MHD_Response *response = make_response((size_t)bytes, argv + 3);
     struct MHD_Daemon *daemon = response ? start((unsigned)threads, response) : NULL;
     if (!daemon) {
         fprintf(stderr, "gd_http_bare: the HTTP library could not be started\n");

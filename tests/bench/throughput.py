@@ -8,11 +8,12 @@ usage: tests/bench/throughput.py [--build DIR] [--turns N] [--seconds S] [--thre
 
 Throughput: wrk repeatedly requests 10,000 distinct pairs whose fields are cached, from the daemon
 and from gd_http_bare. gd_http_bare answers each request with a fixed body, which is as large as the
-daemon's average answer. It uses as many threads as the daemon. /metrics must show that the cache
-answered every request. A ratio is the median of the turns' ratios of requests a second. The table
-also has each program's processor time per request (user and kernel, in microseconds), which hardly
-depends on the machine's load. With --batch the kernel schedules wrk as a batch job. Then wrk does
-not preempt a server on the same processors at each answer.
+daemon's average answer, and with the headers of one of the daemon's answers. It uses as many
+threads as the daemon. /metrics must show that the cache answered every request. A ratio is the
+median of the turns' ratios of requests a second. The table also has each program's processor time
+per request (user and kernel, in microseconds), which hardly depends on the machine's load. With
+--batch the kernel schedules wrk as a batch job. Then wrk does not preempt a server on the same
+processors at each answer.
 
 Latency: wrk requests the same pairs at half of the throughput. By wrk's delay(), each connection
 waits before each request, so a slow answer delays only the next request of its own connection.
@@ -40,6 +41,7 @@ SOURCES = 20
 ASKED = 17  # number of queries from each source, so that the source's field is cached
 START_SECONDS = 20
 SIZES = 500  # number of answers whose sizes are averaged
+OWN_HEADERS = "Date", "Content-Length", "Connection"
 # parameters of the request, the required ratio, the intended ratio
 KINDS = {"distance": ("", 0.7, 0.9), "path": ("&geometry=xyz", 0.5, 0.75)}
 PACED_CONNECTIONS = 64
@@ -118,10 +120,10 @@ class Daemon:
 
 
 class Bare:
-    """A running gd_http_bare that answers with a body of this many bytes."""
+    """A running gd_http_bare that answers with these headers and a body of this many bytes."""
 
-    def __init__(self, build, threads, size):
-        command = [find_program(build / "gd_http_bare"), str(threads), str(size)]
+    def __init__(self, build, threads, size, headers):
+        command = [find_program(build / "gd_http_bare"), str(threads), str(size), *(text for header in headers for text in header)]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         self.port = int(self.process.stdout.readline() or 0)
         if not self.port:
@@ -173,6 +175,14 @@ class Work:
         connection = self.daemon.connect()
         return round(statistics.mean(len(self.daemon.ask(connection, "GET", url)) for url in self.urls(kind)[:SIZES]))
 
+    def headers(self, kind):
+        """Returns the headers of an answer, without those that libmicrohttpd adds itself."""
+        connection = self.daemon.connect()
+        connection.request("GET", self.urls(kind)[0])
+        answer = connection.getresponse()
+        answer.read()
+        return [header for header in answer.getheaders() if header[0] not in OWN_HEADERS]
+
     def load(self, program, kind, options, connections, pace=""):
         """Returns wrk's measurements, and the processor time of the program."""
         script, targets = self.folder / "script.lua", self.folder / f"{kind}.txt"
@@ -209,7 +219,7 @@ def race(work, kind, options):
     """Runs the kind's turns against the bare program."""
     size = work.size(kind)
     turns = []
-    with running(Bare(options.build, options.threads, size)) as bare:
+    with running(Bare(options.build, options.threads, size, work.headers(kind))) as bare:
         for turn in range(options.turns):
             show_progress(f"{kind}: turn {turn + 1} of {options.turns}")
             ours = work.load_daemon(kind, options, options.connections)
