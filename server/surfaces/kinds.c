@@ -75,11 +75,17 @@ static enum gd_status step_run_growing(struct build *build, step *run, size_t co
     return status;
 }
 
-/* Runs the step that reads the file. `share` is its fraction of the progress. */
+/* Runs the step that reads the file, and frees the file, so that the next step can reuse its
+ * memory. `share` is the step's fraction of the progress. */
 static enum gd_status build_read(struct build *build, step *run, size_t cost, double share)
 {
+    void **file = build->builder->file;
     build->share = share;
     enum gd_status status = step_run(build, run, cost);
+    if (file) {
+        free(*file);
+        *file = NULL;
+    }
     build->is_read = true;
     build->begun = share;
     build->share = 1 - share;

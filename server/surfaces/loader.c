@@ -96,7 +96,8 @@ static enum server_loader_outcome load_build(struct load *load, struct server_su
 {
     struct proto_problem *problem = load->builder.problem;
     void **attachment = &load->parts[SERVER_PART_ATTACHMENT];
-    load->builder.bytes = load->parts[SERVER_PART_FILE];
+    load->builder.file = &load->parts[SERVER_PART_FILE];
+    load->builder.bytes = *load->builder.file;
     enum gd_status status = server_build_surface(&load->builder, out);
     if (status == GD_BUDGET || status == GD_NO_MEMORY || status == GD_DEADLINE ||
         status == GD_CANCELLED)
@@ -157,7 +158,7 @@ enum server_loader_outcome server_loader_load(struct server_loader *loader,
                                     .budget = parts->budget,
                                     .cache = parts->cache,
                                     .max_faces = parts->max_faces,
-                                    .workers = job ? parts->workers : NULL,
+                                    .workers = parts->workers,
                                     .control = {.deadline_ns = job ? job->deadline_ns : 0,
                                                 .progress = load_progress,
                                                 .user = &load}}};

@@ -95,9 +95,11 @@ struct server_builder { /* all borrowed */
     uint32_t max_faces;
     /* ends the build early and receives progress; its budget and its executor are unset */
     struct gd_control control;
-    struct server_workers *workers; /* NULL if the calling thread builds the surface alone */
+    struct server_workers *workers; /* help to build a large surface */
     struct server_record *record;
     const void *bytes; /* the record->size bytes of its file */
+    /* NULL, or the owner of `bytes`, which a build frees as soon as it has read them */
+    void **file;
     struct proto_problem *problem;
 };
 
