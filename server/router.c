@@ -100,6 +100,7 @@ static bool request_authorize(struct server_exchange *exchange, struct proto_pro
     if (!server_access_admit(exchange->host->api->access, &request, &exchange->grant, problem))
         return false;
     exchange->tenant = server_grant_tenant(&exchange->grant);
+    if (exchange->grant.key) exchange->share = exchange->grant.key->share;
     return true;
 }
 
@@ -153,8 +154,8 @@ static bool prepare_body(struct server_exchange *exchange, struct proto_problem 
         limit = QUERY_BODY_LIMIT;
     if (route->handle == server_handle_create_batch && limit > BATCH_BODY_LIMIT)
         limit = BATCH_BODY_LIMIT;
-    return server_body_prepare(&exchange->body, exchange->host->budget, exchange->body.declared,
-                               limit, problem) &&
+    return server_body_prepare(&exchange->body, exchange->share, exchange->body.declared, limit,
+                               problem) &&
            prepare_coding(exchange, problem);
 }
 

@@ -87,7 +87,8 @@ static bool select_cpu(const struct server_config *config, char error[SERVER_ERR
 static bool open_access(struct server *server, char error[SERVER_ERROR])
 {
     const struct server_config *config = &server->config;
-    if (*config->keys) server->api.access = server_access_create(config->keys, error);
+    if (*config->keys)
+        server->api.access = server_access_create(config->keys, &server->budget, error);
     if (*config->keys && !server->api.access) return false;
     if (*config->tls_cert) server->tls = server_tls_open(config->tls_cert, config->tls_key, error);
     return !*config->tls_cert || server->tls;

@@ -15,21 +15,62 @@
 /* RFC 6750, 2.1 */
 #define TOKEN_BYTES "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~+/="
 
+/* The share of a tenant. It is kept after the tenant's last key is removed, because answers may
+ * still use it. */
+struct tenant {
+    struct tenant *next;
+    struct server_share share;
+    char name[SERVER_CREDENTIAL_NAME];
+};
+
 struct server_access {
     char *path;
-    pthread_mutex_t lock; /* protects the pointer `keys` */
+    struct server_budget *budget;
+    struct tenant *tenants; /* used by the thread that reads the file */
+    pthread_mutex_t lock;   /* protects the pointer `keys` */
     struct server_credentials *keys;
 };
 
 /* --- the set in force ------------------------------------------------------------------------- */
 
-struct server_access *server_access_create(const char *path, char error[SERVER_ERROR])
+static struct server_share *share_of(struct server_access *access, const char *name)
+{
+    struct tenant *tenant = access->tenants;
+    while (tenant && strcmp(tenant->name, name) != 0) tenant = tenant->next;
+    if (tenant) return &tenant->share;
+    tenant = malloc(sizeof *tenant);
+    if (!tenant) return NULL;
+    server_share_init(&tenant->share, access->budget, true);
+    strcpy(tenant->name, name);
+    tenant->next = access->tenants;
+    access->tenants = tenant;
+    return &tenant->share;
+}
+
+static struct server_credentials *keys_load(struct server_access *access,
+                                            const struct server_credentials *before,
+                                            char error[SERVER_ERROR])
+{
+    struct server_credentials *keys = server_credentials_load(access->path, before, error);
+    for (uint32_t i = 0; keys && i < keys->count; i++) {
+        keys->keys[i].share = share_of(access, keys->keys[i].tenant);
+        if (keys->keys[i].share) continue;
+        server_credentials_release(keys);
+        (void)server_refuse(error, "the system is out of memory");
+        return NULL;
+    }
+    return keys;
+}
+
+struct server_access *server_access_create(const char *path, struct server_budget *budget,
+                                           char error[SERVER_ERROR])
 {
     struct server_access *access = calloc(1, sizeof *access);
     if (!access) return NULL;
     pthread_mutex_init(&access->lock, NULL);
+    access->budget = budget;
     access->path = strdup(path);
-    if (access->path) access->keys = server_credentials_load(path, NULL, error);
+    if (access->path) access->keys = keys_load(access, NULL, error);
     if (access->keys) return access;
     server_access_destroy(access);
     return NULL;
@@ -39,6 +80,10 @@ void server_access_destroy(struct server_access *access)
 {
     if (!access) return;
     server_credentials_release(access->keys);
+    for (struct tenant *tenant = access->tenants, *next; tenant; tenant = next) {
+        next = tenant->next;
+        free(tenant);
+    }
     pthread_mutex_destroy(&access->lock);
     free(access->path);
     free(access);
@@ -53,7 +98,7 @@ static struct server_credentials *keys_retain(struct server_access *access)
 bool server_access_reload(struct server_access *access, char error[SERVER_ERROR])
 {
     struct server_credentials *before = keys_retain(access);
-    struct server_credentials *keys = server_credentials_load(access->path, before, error);
+    struct server_credentials *keys = keys_load(access, before, error);
     server_credentials_release(before);
     if (!keys) return false;
     pthread_mutex_lock(&access->lock);

@@ -21,12 +21,14 @@ struct server_grant {
     bool is_entered; /* true if the request counts among the key's concurrent requests */
 };
 
-/* Reads the keys of the file. Returns NULL with a sentence in `error` on failure. */
-struct server_access *server_access_create(const char *path, char error[SERVER_ERROR]);
+/* Reads the keys of the file. Each tenant gets a share of the budget (work/budget.h). Returns NULL
+ * with a sentence in `error` on failure. */
+struct server_access *server_access_create(const char *path, struct server_budget *budget,
+                                           char error[SERVER_ERROR]);
 void server_access_destroy(struct server_access *access); /* NULL is allowed */
 
 /* Reads the file again. On failure returns false with a sentence in `error`; the old keys stay in
- * use. Thread-safe. */
+ * use. For one thread at a time, while other threads admit requests. */
 bool server_access_reload(struct server_access *access, char error[SERVER_ERROR]);
 
 struct server_access_request {

@@ -23,6 +23,7 @@
 
 #include "server/base/error.h"
 #include "server/base/sha256.h"
+#include "server/work/budget.h"
 
 #define SERVER_CREDENTIAL_NAME 65 /* bytes, with the NUL */
 /* people, and scanners for secrets, recognise a key by this prefix */
@@ -76,6 +77,7 @@ struct server_credential {
     int64_t expires; /* seconds since 1970; 0 means never */
     struct server_limits limits;
     struct server_quota *quota;
+    struct server_share *share; /* of the tenant; set by access.c */
 };
 
 struct server_credentials {

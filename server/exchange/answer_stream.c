@@ -90,17 +90,19 @@ server_answer_streams_load(const struct server_answer_streams *streams)
 /* --- the start -------------------------------------------------------------------------------- */
 
 /* Takes a thread of the pool. Returns NULL if all threads are in use or memory is short. */
-static struct answer_stream *stream_take(struct server_host *host, bool is_packed)
+static struct answer_stream *stream_take(const struct server_exchange *from, bool is_packed)
 {
     static const struct server_transport none = {0};
+    struct server_host *host = from->host;
     struct answer_stream *stream = host->streams->all, *end = stream + SERVER_ANSWER_STREAMS;
     while (stream < end && atomic_exchange(&stream->is_taken, true)) stream++;
     if (stream == end) return NULL;
     stream->sink = (struct proto_writer_sink){stream_pass_on, stream, SERVER_RELAY_BLOCK};
     stream->writer = (struct proto_writer){0};
-    stream->relay = server_relay_create(host, is_packed);
+    stream->relay = server_relay_create(host, from->share, is_packed);
     stream->exchange = server_exchange_create(host, &none, "/");
     if (stream->relay && stream->exchange) {
+        stream->exchange->share = from->share;
         server_reply_writer(stream->exchange, &stream->writer);
         stream->writer.sink = &stream->sink;
         proto_writer_expect(&stream->writer, SERVER_RELAY_BLOCK);
@@ -116,7 +118,7 @@ static bool stream_take_state(struct answer_stream *stream, struct server_exchan
                               size_t *held)
 {
     struct server_exchange *to = stream->exchange;
-    if (!server_budget_move_to_answers(from->host->budget, *held)) return false;
+    if (!server_share_move_to_answers(from->share, *held)) return false;
     atomic_fetch_add(&stream->pool->held, *held);
     to->response.held = *held;
     *held = 0;
@@ -135,7 +137,7 @@ static bool stream_start(struct server_exchange *exchange, unsigned status, size
                          const struct server_answer_encoder *encoder)
 {
     bool is_packed = server_reply_takes_gzip(exchange);
-    struct answer_stream *stream = stream_take(exchange->host, is_packed);
+    struct answer_stream *stream = stream_take(exchange, is_packed);
     if (!stream) return false;
     struct server_stream *client = server_relay_open(stream->relay);
     if (!client || !stream_take_state(stream, exchange, encoder->held)) {

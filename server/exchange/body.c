@@ -17,21 +17,31 @@ static bool refuse_size(const struct server_body *body, struct proto_problem *pr
     return proto_problem_limit(problem, body->limit);
 }
 
+static bool refuse_share(struct proto_problem *problem)
+{
+    proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                      "the bodies of the requests of this tenant hold as much memory as a tenant "
+                      "may take for them; send this request again when others have ended");
+    problem->retry_after = 1;
+    return false;
+}
+
 static bool refuse_memory(const struct server_body *body, uint64_t bytes,
                           struct proto_problem *problem)
 {
-    return server_budget_refuse(body->budget, "the request body", (size_t)bytes, problem);
+    return server_budget_refuse(body->share->budget, "the request body", (size_t)bytes, problem);
 }
 
-bool server_body_prepare(struct server_body *body, struct server_budget *budget, uint64_t declared,
+bool server_body_prepare(struct server_body *body, struct server_share *share, uint64_t declared,
                          uint64_t limit, struct proto_problem *problem)
 {
-    body->budget = budget;
+    body->share = share;
     body->declared = declared;
     body->limit = limit;
     if (declared == SERVER_BODY_CHUNKED) return true;
     if (declared > limit) return refuse_size(body, problem);
-    return server_budget_could_take(budget, (size_t)declared) ||
+    if (!server_share_admits_body(share, (size_t)declared)) return refuse_share(problem);
+    return server_budget_could_take(share->budget, (size_t)declared) ||
            refuse_memory(body, declared, problem);
 }
 
@@ -39,7 +49,7 @@ static void body_drop_inflater(struct server_body *body)
 {
     if (!body->inflater) return;
     server_inflater_destroy(body->inflater);
-    server_budget_give(body->budget, SERVER_BUDGET_FLIGHT, SERVER_INFLATE_BYTES);
+    server_share_give_body(body->share, SERVER_INFLATE_BYTES);
     body->inflater = NULL;
 }
 
@@ -52,10 +62,10 @@ static bool body_grow(struct server_body *body, size_t needed)
     if (capacity < needed) capacity = needed;
     if (body->declared >= needed && capacity > body->declared) capacity = (size_t)body->declared;
     size_t more = capacity - body->capacity;
-    if (!server_budget_take(body->budget, SERVER_BUDGET_FLIGHT, more)) return false;
+    if (!server_share_take_body(body->share, more)) return false;
     char *bytes = realloc(body->bytes, capacity);
     if (!bytes) {
-        server_budget_give(body->budget, SERVER_BUDGET_FLIGHT, more);
+        server_share_give_body(body->share, more);
         return false;
     }
     body->bytes = bytes;
@@ -78,6 +88,7 @@ static bool body_append(void *user, const void *bytes, size_t size)
         body_fail(body, PROTO_PROBLEM_TOO_LARGE, NULL);
     } else if (!body_grow(body, body->size + size)) {
         body->refused = body->size + size;
+        body->is_share_full = !server_share_admits_body(body->share, size);
         body_fail(body, PROTO_PROBLEM_INSUFFICIENT_MEMORY, NULL);
     } else {
         memcpy(body->bytes + body->size, bytes, size);
@@ -111,11 +122,11 @@ void server_body_append(struct server_body *body, const void *bytes, size_t size
 
 bool server_body_unpack(struct server_body *body, struct proto_problem *problem)
 {
-    if (!server_budget_take(body->budget, SERVER_BUDGET_FLIGHT, SERVER_INFLATE_BYTES))
+    if (!server_share_take_body(body->share, SERVER_INFLATE_BYTES))
         return refuse_memory(body, SERVER_INFLATE_BYTES, problem);
     body->inflater = server_inflater_create();
     if (body->inflater) return true;
-    server_budget_give(body->budget, SERVER_BUDGET_FLIGHT, SERVER_INFLATE_BYTES);
+    server_share_give_body(body->share, SERVER_INFLATE_BYTES);
     return refuse_memory(body, SERVER_INFLATE_BYTES, problem);
 }
 
@@ -128,6 +139,7 @@ bool server_body_check(struct server_body *body, struct proto_problem *problem)
                                  "the compressed request body ends too early; send all of it");
     if (body->fault) return proto_problem_set(problem, body->failure, "%s", body->fault);
     if (body->failure == PROTO_PROBLEM_TOO_LARGE) return refuse_size(body, problem);
+    if (body->is_share_full) return refuse_share(problem);
     return !body->failure || refuse_memory(body, body->refused, problem);
 }
 
@@ -135,7 +147,7 @@ void server_body_drop(struct server_body *body)
 {
     body_drop_inflater(body);
     free(body->bytes);
-    server_budget_give(body->budget, SERVER_BUDGET_FLIGHT, body->capacity);
+    server_share_give_body(body->share, body->capacity);
     body->bytes = NULL;
     body->size = body->capacity = 0;
 }

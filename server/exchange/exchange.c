@@ -93,7 +93,7 @@ void server_exchange_drop_body(struct server_exchange *exchange)
     server_stream_close(response->stream);
     free(response->owned);
     if (response->lent.bytes) response->lent.release(response->lent.lender);
-    server_budget_give(exchange->host->budget, SERVER_BUDGET_ANSWERS, response->held);
+    server_share_give_answer(exchange->share, response->held);
     response->stream = NULL;
     response->owned = NULL;
     response->body = NULL;
@@ -177,6 +177,7 @@ static void exchange_clear(struct server_exchange *exchange, struct server_host 
     exchange->host = host;
     exchange->transport = transport;
     exchange->tenant = "";
+    exchange->share = &host->budget->common;
     exchange->parameters.all = exchange->parameter_list;
     exchange->started_ns = gd_now_ns();
     exchange->job.run = server_exchange_job_run;
@@ -272,6 +273,7 @@ struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
     memcpy(detached->request_id, exchange->request_id, sizeof detached->request_id);
     server_grant_pass(&exchange->grant, &detached->grant);
     detached->tenant = detached->job.tenant = exchange->tenant;
+    detached->share = exchange->share;
     detached->body = exchange->body;
     exchange->body = (struct server_body){0};
     return detached;

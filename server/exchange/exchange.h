@@ -51,13 +51,14 @@ struct server_surface;
 #define SERVER_BODY_CHUNKED UINT64_MAX
 
 struct server_body {
-    struct server_budget *budget; /* set by server_body_prepare */
-    char *bytes;                  /* NULL while empty */
-    /* `capacity` bytes are taken from the budget (SERVER_BUDGET_FLIGHT) */
+    struct server_share *share; /* set by server_body_prepare */
+    char *bytes;                /* NULL while empty */
+    /* `capacity` bytes are taken from the share (SERVER_BUDGET_FLIGHT) */
     size_t size, capacity;
     uint64_t declared;                /* Content-Length; 0 means none; or SERVER_BODY_CHUNKED */
     uint64_t limit;                   /* largest number of bytes that the operation accepts */
     size_t refused;                   /* bytes that the budget refused */
+    bool is_share_full;               /* true if the tenant's share refused them */
     struct server_inflater *inflater; /* decompressor of a compressed body, or NULL */
     /* NULL, or a sentence with the reason why decompression failed */
     const char *fault;
@@ -66,8 +67,8 @@ struct server_body {
     enum proto_problem_code failure;
 };
 
-/* Refuses a declared length that exceeds the limit or the whole budget. */
-bool server_body_prepare(struct server_body *body, struct server_budget *budget, uint64_t declared,
+/* Refuses a declared length that exceeds the limit, the whole budget or the tenant's share. */
+bool server_body_prepare(struct server_body *body, struct server_share *share, uint64_t declared,
                          uint64_t limit, struct proto_problem *problem);
 
 /* Prepares to decompress a gzip body, before its first byte. `size` and `limit` then count
@@ -184,7 +185,8 @@ struct server_exchange {
     struct server_grant grant;
     /* tenant of the names in the path (kind.h), borrowed from the grant; or "" */
     const char *tenant;
-    const char *cors_origin; /* the Origin header, if --cors-origin lists it; or NULL */
+    struct server_share *share; /* of the tenant, or of all requests without a key */
+    const char *cors_origin;    /* the Origin header, if --cors-origin lists it; or NULL */
     struct server_body body;
 
     uint64_t started_ns;

@@ -33,7 +33,8 @@ struct server_relay {
 
 /* --- life ------------------------------------------------------------------------------------- */
 
-struct server_relay *server_relay_create(struct server_host *host, bool is_packed)
+struct server_relay *server_relay_create(struct server_host *host, struct server_share *share,
+                                         bool is_packed)
 {
     struct server_relay *relay = calloc(1, sizeof *relay);
     if (!relay) return NULL;
@@ -42,9 +43,9 @@ struct server_relay *server_relay_create(struct server_host *host, bool is_packe
     pthread_mutex_init(&relay->lock, NULL);
     pthread_cond_init(&relay->room, NULL);
     proto_writer_init(&relay->packed, SIZE_MAX);
-    relay->packed.account = &host->budget->answers;
+    relay->packed.account = &share->account;
     proto_writer_init(&relay->waiting, host->budget->largest_answer + 2 * SERVER_RELAY_MOST);
-    relay->waiting.account = &host->budget->answers;
+    relay->waiting.account = &share->account;
     proto_writer_expect(&relay->waiting, SERVER_RELAY_MOST + PACKED_MOST);
     if (is_packed) relay->packer = server_packer_create();
     if (is_packed) proto_writer_expect(&relay->packed, PACKED_MOST);

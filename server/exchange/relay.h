@@ -1,6 +1,6 @@
 /* Relay: a bounded buffer between the worker that writes an answer's text and its client.
  *
- *     relay = server_relay_create(host, is_packed);
+ *     relay = server_relay_create(host, share, is_packed);
  *     stream = server_relay_open(relay);               passed to server_reply_stream
  *     server_relay_write(relay, text, size);           by the writer, repeatedly
  *     if (server_relay_wait(relay, job)) return;       a worker parks its job at the relay;
@@ -30,11 +30,13 @@
 
 struct server_host;
 struct server_relay;
+struct server_share;
 struct server_stream;
 
 /* Creates a relay with one reference, which compresses the text if `is_packed` is true. Returns
  * NULL if out of memory. */
-struct server_relay *server_relay_create(struct server_host *host, bool is_packed);
+struct server_relay *server_relay_create(struct server_host *host, struct server_share *share,
+                                         bool is_packed);
 void server_relay_release(struct server_relay *relay); /* NULL is allowed */
 
 /* Opens the stream from which the client reads. Call this function once. Returns NULL if out of

@@ -67,9 +67,8 @@ void server_reply_tag(struct server_exchange *exchange, const char *etag, const 
 
 void server_reply_writer(struct server_exchange *exchange, struct proto_writer *writer)
 {
-    const struct server_budget *budget = exchange->host->budget;
-    proto_writer_init(writer, budget->largest_answer);
-    writer->account = &budget->answers;
+    proto_writer_init(writer, exchange->host->budget->largest_answer);
+    writer->account = &exchange->share->account;
 }
 
 /* Moves the bytes of a body from SERVER_BUDGET_FLIGHT to SERVER_BUDGET_ANSWERS. */
@@ -84,7 +83,7 @@ static bool answer_hold(struct server_exchange *exchange, size_t size,
     exchange->held -= flight;
     if (size > budget->largest_answer)
         counting.failure = PROTO_WRITER_TOO_LARGE;
-    else if (counted && !server_budget_take_answer(budget, counted))
+    else if (counted && !server_share_take_answer(exchange->share, counted))
         counting.failure = PROTO_WRITER_NO_ROOM;
     else
         exchange->response.held = counted;
@@ -123,9 +122,7 @@ static void text_set(struct server_exchange *exchange, unsigned status, const ch
     bool is_counted = writer->account != NULL;
     char *text = proto_writer_take(writer, &size);
     exchange->response.held = proto_writer_counted(size);
-    if (!is_counted)
-        server_budget_adjust(exchange->host->budget, SERVER_BUDGET_ANSWERS, 0,
-                             exchange->response.held);
+    if (!is_counted) server_share_count_answer(exchange->share, exchange->response.held);
     response_set(exchange, status, media_type, text, size)->owned = text;
 }
 

@@ -135,7 +135,6 @@ static bool item_set_request(struct item *item, const struct proto_writer *body,
                              struct proto_problem *problem)
 {
     struct server_exchange *exchange = item->exchange;
-    struct server_budget *budget = exchange->host->budget;
     exchange->method = "POST";
     exchange->job.is_patient = true;
     exchange->tenant = item->claim.tenant;
@@ -146,7 +145,7 @@ static bool item_set_request(struct item *item, const struct proto_writer *body,
     if (!proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path,
                           &exchange->match, problem) ||
         !proto_writer_check(body, problem) ||
-        !server_body_prepare(&exchange->body, budget, body->size, BODY_MOST, problem))
+        !server_body_prepare(&exchange->body, exchange->share, body->size, BODY_MOST, problem))
         return false;
     server_body_append(&exchange->body, body->data, body->size);
     return server_body_check(&exchange->body, problem);
@@ -277,7 +276,7 @@ static void runner_settle(struct server_batch_runner *runner)
         runner_note(runner, item->claim.id);
         atomic_fetch_sub(&runner->running, 1);
         free(item->answer);
-        server_budget_give(runner->host->budget, SERVER_BUDGET_ANSWERS, item->held);
+        server_share_give_answer(&runner->host->budget->common, item->held);
         free(item);
     }
 }

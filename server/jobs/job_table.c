@@ -35,7 +35,7 @@ struct server_job_table {
     pthread_mutex_t lock;
     struct server_sorted list; /* jobs by id, with room for limits.jobs */
     uint64_t expired_ns;
-    atomic_size_t held; /* bytes of answers */
+    size_t held; /* bytes of the answers of jobs in the list */
     struct usage *usages;
     bool is_draining;
     uint64_t ended[PROTO_JOB_STATE_COUNT];
@@ -50,13 +50,15 @@ struct server_deferred_job {
     char *request; /* "POST /v1/…" */
     int64_t created;
     atomic_uint progress; /* in PROGRESS_STEPS; never decreases */
-    size_t own;           /* bytes of SERVER_BUDGET_RECORDS that are counted for this struct */
+    struct server_share *share;
+    size_t own; /* bytes of SERVER_BUDGET_RECORDS that are counted for this struct */
     /* guarded by the table's lock: */
     enum proto_job_state state;
     struct server_exchange *exchange; /* NULL means that the exchange is answered */
     uint64_t ended_ns;
     struct usage *usage; /* NULL means that the job is not in the table */
-    size_t held;         /* bytes of SERVER_BUDGET_JOBS that are counted for the job */
+    size_t held;         /* bytes that are counted for the answer: */
+    bool is_adopted;     /* in the tenant's share, else in SERVER_BUDGET_JOBS */
     /* Written before the state becomes DONE or FAILED, then constant: */
     struct proto_job_answer answer;
     struct proto_job_header headers[SERVER_RESPONSE_HEADERS];
@@ -91,8 +93,10 @@ struct server_deferred_job *server_deferred_job_retain(struct server_deferred_jo
 void server_deferred_job_release(struct server_deferred_job *job)
 {
     if (!job || atomic_fetch_sub(&job->references, 1) != 1) return;
-    atomic_fetch_sub(&job->table->held, job->held);
-    server_budget_give(job->table->host->budget, SERVER_BUDGET_JOBS, job->held);
+    if (job->is_adopted)
+        server_share_give_answer(job->share, job->held);
+    else
+        server_budget_give(job->table->host->budget, SERVER_BUDGET_JOBS, job->held);
     server_budget_give(job->table->host->budget, SERVER_BUDGET_RECORDS, job->own);
     free(job->body);
     free(job->header_values);
@@ -212,10 +216,14 @@ static struct usage *usage_largest(struct usage *list, enum unit unit, const str
     return largest;
 }
 
-/* Releases a job that was removed from the list. */
+/* Releases a job that was removed from the list. Clients may still read its answer for hours. From
+ * now on the answer counts as unread, so that it takes no room from the answers of other jobs. */
 static void table_drop(struct server_job_table *table, struct server_deferred_job *job)
 {
+    table->held -= job->held;
     job->usage->amounts[UNIT_BYTES] -= job->held;
+    job->is_adopted = job->state == PROTO_JOB_DONE || job->state == PROTO_JOB_FAILED;
+    if (job->is_adopted) server_share_adopt_job(job->share, job->held);
     usage_drop_job(&table->usages, job->usage);
     job->usage = NULL;
     server_deferred_job_release(job);
@@ -290,7 +298,10 @@ static bool table_add(struct server_job_table *table, struct server_deferred_job
 /* Counts bytes of an answer, under the lock. A job that left the table has no usage. */
 static void answer_count(struct server_deferred_job *job, size_t bytes)
 {
-    if (job->usage) job->usage->amounts[UNIT_BYTES] += bytes - job->held;
+    if (job->usage) {
+        job->usage->amounts[UNIT_BYTES] += bytes - job->held;
+        job->table->held += bytes - job->held;
+    }
     job->held = bytes;
 }
 
@@ -301,15 +312,11 @@ static bool answer_reserve(struct server_deferred_job *job, size_t bytes)
     struct server_job_table *table = job->table;
     pthread_mutex_lock(&table->lock);
     bool fits = bytes <= table->limits.answer_bytes && job->usage;
-    while (fits && atomic_load(&table->held) + bytes > table->limits.answer_bytes)
+    while (fits && table->held + bytes > table->limits.answer_bytes)
         fits = table_evict(table, UNIT_BYTES, job->usage, bytes);
-    if (fits) {
-        atomic_fetch_add(&table->held, bytes);
-        answer_count(job, bytes);
-    }
+    if (fits) answer_count(job, bytes);
     pthread_mutex_unlock(&table->lock);
     if (!fits || server_budget_take(table->host->budget, SERVER_BUDGET_JOBS, bytes)) return fits;
-    atomic_fetch_sub(&table->held, bytes);
     pthread_mutex_lock(&table->lock);
     answer_count(job, 0);
     pthread_mutex_unlock(&table->lock);
@@ -420,6 +427,7 @@ static struct server_deferred_job *job_create(struct server_job_table *table,
     const char *key = server_grant_name(&exchange->grant);
     size_t bytes = sizeof *job + exchange->target_size;
     job->table = table;
+    job->share = exchange->share;
     job->references = 1;
     job->transport = (struct server_transport){.finish = job_on_finish,
                                                .is_gone = server_exchange_is_unwanted,

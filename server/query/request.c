@@ -305,7 +305,7 @@ struct server_exchange *server_request_stream(struct server_exchange *exchange,
                                               const char *media_type, struct server_relay **relay)
 {
     bool is_packed = server_reply_takes_gzip(exchange);
-    struct server_relay *made = server_relay_create(exchange->host, is_packed);
+    struct server_relay *made = server_relay_create(exchange->host, exchange->share, is_packed);
     struct server_stream *stream = made ? server_relay_open(made) : NULL;
     struct server_exchange *rest = stream ? server_exchange_detach(exchange, transport) : NULL;
     if (!rest) {

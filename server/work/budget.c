@@ -5,21 +5,11 @@
 #define SMALL_ANSWER ((size_t)64 << 10) /* largest size of a small answer */
 #define REMEDY       "delete meshes, or raise --memory-budget"
 
-static bool account_take(void *budget, size_t bytes)
-{
-    return server_budget_take_answer(budget, bytes);
-}
-
-static void account_give(void *budget, size_t bytes)
-{
-    server_budget_give(budget, SERVER_BUDGET_ANSWERS, bytes);
-}
-
 void server_budget_init(struct server_budget *budget, size_t limit)
 {
     *budget = (struct server_budget){.limit = limit,
-                                     .largest_answer = limit - limit / SERVER_BUDGET_ANSWERS_PART,
-                                     .answers = {account_take, account_give, budget}};
+                                     .largest_answer = limit - limit / SERVER_BUDGET_ANSWERS_PART};
+    server_share_init(&budget->common, budget, false);
 }
 
 bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class,
@@ -57,31 +47,6 @@ bool server_budget_take(struct server_budget *budget, enum server_budget_class c
         if (server_budget_take_spare(budget, class, bytes)) return true;
     }
     return false;
-}
-
-/* Checks that the answers stay within their part of the budget. Each concurrent call may exceed the
- * part once, but never the limit of the budget. */
-static bool admits_answer(struct server_budget *budget, size_t bytes)
-{
-    size_t part =
-        bytes > SMALL_ANSWER ? SERVER_BUDGET_ANSWERS_PART : SERVER_BUDGET_SMALL_ANSWERS_PART;
-    size_t most = budget->limit - budget->limit / part,
-           used = atomic_load(&budget->used[SERVER_BUDGET_ANSWERS]);
-    if (bytes <= most && used <= most - bytes) return true;
-    atomic_fetch_add(&budget->refused_answers, 1);
-    return false;
-}
-
-bool server_budget_take_answer(struct server_budget *budget, size_t bytes)
-{
-    return admits_answer(budget, bytes) && server_budget_take(budget, SERVER_BUDGET_ANSWERS, bytes);
-}
-
-bool server_budget_move_to_answers(struct server_budget *budget, size_t bytes)
-{
-    if (!admits_answer(budget, bytes)) return false;
-    server_budget_move(budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_ANSWERS, bytes);
-    return true;
 }
 
 void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes)
@@ -142,4 +107,107 @@ bool server_budget_refuse(struct server_budget *budget, const char *what, size_t
             "%s needs more than the available %zu of the %zu bytes of the memory budget; " REMEDY,
             what, available, budget->limit);
     return proto_problem_limit(problem, budget->limit);
+}
+
+/* --- shares ----------------------------------------------------------------------------------- */
+
+static bool account_take(void *share, size_t bytes)
+{
+    return server_share_take_answer(share, bytes);
+}
+
+static void account_give(void *share, size_t bytes)
+{
+    server_share_give_answer(share, bytes);
+}
+
+void server_share_init(struct server_share *share, struct server_budget *budget, bool is_bounded)
+{
+    *share = (struct server_share){
+        .budget = budget, .account = {account_take, account_give, share}, .is_bounded = is_bounded};
+}
+
+/* Returns true if the tenant would then hold at most as much as is free. `own` and `all` are the
+ * bytes that the tenant and all tenants hold, of `most`. Concurrent calls may exceed this once. */
+static bool share_leaves(const struct server_share *share, size_t own, size_t all, size_t most,
+                         size_t bytes)
+{
+    if (!share->is_bounded) return true;
+    return bytes <= most && all <= most - bytes && own + bytes <= most - bytes - all;
+}
+
+bool server_share_admits_body(struct server_share *share, size_t bytes)
+{
+    struct server_budget *budget = share->budget;
+    return share_leaves(share, atomic_load(&share->bodies), atomic_load(&budget->bodies),
+                        budget->limit, bytes);
+}
+
+bool server_share_take_body(struct server_share *share, size_t bytes)
+{
+    if (!server_share_admits_body(share, bytes) ||
+        !server_budget_take(share->budget, SERVER_BUDGET_FLIGHT, bytes))
+        return false;
+    atomic_fetch_add(&share->bodies, bytes);
+    atomic_fetch_add(&share->budget->bodies, bytes);
+    return true;
+}
+
+void server_share_give_body(struct server_share *share, size_t bytes)
+{
+    if (!bytes) return;
+    atomic_fetch_sub(&share->bodies, bytes);
+    atomic_fetch_sub(&share->budget->bodies, bytes);
+    server_budget_give(share->budget, SERVER_BUDGET_FLIGHT, bytes);
+}
+
+/* Checks that the answers stay within their part of the budget, and within the tenant's share of
+ * this part. Each concurrent call may exceed the part once, but never the limit of the budget. */
+static bool admits_answer(struct server_share *share, size_t bytes)
+{
+    struct server_budget *budget = share->budget;
+    size_t part =
+        bytes > SMALL_ANSWER ? SERVER_BUDGET_ANSWERS_PART : SERVER_BUDGET_SMALL_ANSWERS_PART;
+    size_t most = budget->limit - budget->limit / part,
+           used = atomic_load(&budget->used[SERVER_BUDGET_ANSWERS]);
+    if (bytes <= most && used <= most - bytes)
+        return share_leaves(share, atomic_load(&share->answers), used, most, bytes);
+    atomic_fetch_add(&budget->refused_answers, 1);
+    return false;
+}
+
+bool server_share_take_answer(struct server_share *share, size_t bytes)
+{
+    if (!admits_answer(share, bytes) ||
+        !server_budget_take(share->budget, SERVER_BUDGET_ANSWERS, bytes))
+        return false;
+    atomic_fetch_add(&share->answers, bytes);
+    return true;
+}
+
+bool server_share_move_to_answers(struct server_share *share, size_t bytes)
+{
+    if (!admits_answer(share, bytes)) return false;
+    server_budget_move(share->budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_ANSWERS, bytes);
+    atomic_fetch_add(&share->answers, bytes);
+    return true;
+}
+
+void server_share_give_answer(struct server_share *share, size_t bytes)
+{
+    if (!bytes) return;
+    atomic_fetch_sub(&share->answers, bytes);
+    server_budget_give(share->budget, SERVER_BUDGET_ANSWERS, bytes);
+}
+
+void server_share_adopt_job(struct server_share *share, size_t bytes)
+{
+    server_budget_move(share->budget, SERVER_BUDGET_JOBS, SERVER_BUDGET_ANSWERS, bytes);
+    atomic_fetch_add(&share->answers, bytes);
+}
+
+void server_share_count_answer(struct server_share *share, size_t bytes)
+{
+    server_budget_adjust(share->budget, SERVER_BUDGET_ANSWERS, 0, bytes);
+    atomic_fetch_add(&share->answers, bytes);
 }

@@ -8,7 +8,11 @@
  * server_budget_take that would exceed the limit calls the reclaimers in the order of
  * server_reclaim_turn until enough is free. The order begins with the data that is cheapest to
  * compute again. Reclaimers take their own locks, so a caller of server_budget_take must not hold a
- * lock. server_budget_give calls no other part of the daemon. All functions are thread-safe. */
+ * lock. server_budget_give calls no other part of the daemon. All functions are thread-safe.
+ *
+ * A client decides how long the body of its request and its unread answer hold memory. So with keys
+ * each tenant has a share of this memory (struct server_share), and takes at most as much as it
+ * leaves free. Then no tenant can hold all of it. */
 #ifndef SERVER_WORK_BUDGET_H
 #define SERVER_WORK_BUDGET_H
 
@@ -58,10 +62,19 @@ struct server_reclaimer {
 #define SERVER_BUDGET_ANSWERS_PART       2
 #define SERVER_BUDGET_SMALL_ANSWERS_PART 4
 
+/* A tenant's part of the memory that waits for clients. It outlives the tenant's requests. */
+struct server_share {
+    struct server_budget *budget;
+    struct proto_writer_account account; /* takes answers, for writers */
+    bool is_bounded;                     /* false without keys */
+    atomic_size_t bodies, answers;       /* bytes that the tenant holds */
+};
+
 struct server_budget {
     size_t limit;
-    size_t largest_answer;               /* bytes */
-    struct proto_writer_account answers; /* takes from SERVER_BUDGET_ANSWERS */
+    size_t largest_answer;      /* bytes */
+    struct server_share common; /* the share of all requests without a key */
+    atomic_size_t bodies;       /* part of SERVER_BUDGET_FLIGHT: bodies of requests */
     /* number of takes that failed because the part of answers was full */
     atomic_uint_least64_t refused_answers;
     atomic_size_t total;
@@ -79,11 +92,6 @@ bool server_budget_take(struct server_budget *budget, enum server_budget_class c
 bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class,
                               size_t bytes);
 
-/* Takes bytes for an answer, or moves them from SERVER_BUDGET_FLIGHT to SERVER_BUDGET_ANSWERS.
- * Returns false and changes nothing if all answers together would exceed their part. */
-bool server_budget_take_answer(struct server_budget *budget, size_t bytes);
-bool server_budget_move_to_answers(struct server_budget *budget, size_t bytes);
-
 void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes);
 
 /* Moves taken bytes from one class to another. */
@@ -99,6 +107,29 @@ void server_budget_adjust(struct server_budget *budget, enum server_budget_class
  * bound is at least `bytes`; O(1) if that many bytes are free. */
 size_t server_budget_available(struct server_budget *budget);
 bool server_budget_could_take(struct server_budget *budget, size_t bytes);
+
+void server_share_init(struct server_share *share, struct server_budget *budget, bool is_bounded);
+
+/* Takes bytes of SERVER_BUDGET_FLIGHT for the body of a request. Returns false and counts nothing
+ * if the budget or the tenant's share has no room. server_share_admits_body checks only the
+ * share. */
+bool server_share_take_body(struct server_share *share, size_t bytes);
+void server_share_give_body(struct server_share *share, size_t bytes);
+bool server_share_admits_body(struct server_share *share, size_t bytes);
+
+/* Takes bytes for an answer, or moves them from SERVER_BUDGET_FLIGHT to SERVER_BUDGET_ANSWERS.
+ * Returns false and changes nothing if the answers of all clients or of the tenant would exceed
+ * their part. */
+bool server_share_take_answer(struct server_share *share, size_t bytes);
+bool server_share_move_to_answers(struct server_share *share, size_t bytes);
+void server_share_give_answer(struct server_share *share, size_t bytes);
+
+/* Counts the text of a dropped job, which clients may still read, as an answer, even beyond the
+ * share. */
+void server_share_adopt_job(struct server_share *share, size_t bytes);
+
+/* Counts `bytes` as an answer, even beyond the limit. */
+void server_share_count_answer(struct server_share *share, size_t bytes);
 
 /* Sets the problem insufficient_memory. Its text says how many bytes `what` ("the mesh") needs; 0
  * means that the number is unknown. Returns false. */

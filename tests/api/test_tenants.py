@@ -1,8 +1,10 @@
 """Tests that each tenant has its own names. A tenant can't distinguish another tenant's names from
 unused names."""
+import contextlib
 import json
 import pathlib
 import re
+import socket
 import subprocess
 import unittest
 
@@ -153,6 +155,71 @@ class Tenants(Folder):
             others = [self.job("ann" if number % 2 else "second") for number in range(60)]
             self.assertEqual([self.ask("GET", job, "bob").status for job in own], [200] * 5)
             self.assertEqual(sum(self.ask("GET", job, "ann").status == 200 for job in others), 15)
+
+    def connect(self, who, head, rest=b"\r\n"):
+        """Begins a request on a connection that stays open, and unread, until the end of the
+        test."""
+        connection = socket.socket()
+        self.addCleanup(connection.close)
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        connection.connect(("127.0.0.1", self.daemon.port))
+        head = f"{head} HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {key_of(who)}\r\n"
+        with contextlib.suppress(ConnectionError):  # the daemon has refused the head
+            connection.sendall(head.encode() + rest)
+
+    def memory(self, kind):
+        pattern = f'^geodesicd_memory_bytes{{class="{kind}"}} (.*)$'
+        return int(re.search(pattern, self.ask("GET", "/metrics", "watch").body.decode(), re.M)[1])
+
+    def test_bodies_of_one_tenant_leave_memory_to_others(self):
+        """A tenant withholds the ends of bodies that need more than the memory budget together."""
+        with self.start("--memory-budget", "64MiB", "--max-body", "8MiB"):
+            for number in range(80):
+                self.connect("viewer" if number % 2 else "ann", "POST /v1/meshes/grid/pairs",
+                             b"Content-Length: %d\r\n\r\n" % (1 << 20) + bytes((1 << 20) - 1))
+            wait_until(lambda: self.memory("flight") > 24 << 20)
+            self.assertLessEqual(self.memory("flight"), 33 << 20)
+            self.assertEqual(self.ask("PUT", "/v1/meshes/grid", "bob", sample("grid", columns=100, rows=100)).status, 201)
+            large = self.ask("PUT", "/v1/meshes/grid", "ann", SQUARE + b"#" * (8 << 19))
+            self.assertEqual((large.status, large.headers["Retry-After"]), (507, "1"), large)
+            self.assertIn("tenant", large.json["detail"])
+
+    # a query whose answer of 8 MB is larger than the kernel's buffers
+    LARGE = json.dumps({"sources": [{"vertex": i % 99} for i in range(84)], "targets": [{"vertex": i % 99} for i in range(12000)]})
+    BINARY = {"Accept": "application/octet-stream"}
+
+    def put_grids(self):
+        for who in ("ann", "bob"):
+            self.assertEqual(self.ask("PUT", "/v1/meshes/grid", who, sample("grid", columns=10, rows=10)).status, 201)
+
+    def test_unread_answers_of_one_tenant_leave_memory_to_others(self):
+        with self.start("--memory-budget", "128MiB", "--max-body", "8MiB"):
+            self.put_grids()
+            for _ in range(12):
+                self.connect("ann", "POST /v1/meshes/grid/matrix",
+                             f"Accept: application/octet-stream\r\nContent-Length: {len(self.LARGE)}\r\n\r\n{self.LARGE}".encode())
+            wait_until(lambda: self.memory("answers") > 16 << 20)
+            wait_until(lambda: len([line for line in self.daemon.log if line.get("route", "").endswith("/matrix")]) == 12)
+            self.assertLessEqual(self.memory("answers"), 33 << 20)
+            answer = self.ask("POST", "/v1/meshes/grid/matrix", "bob", self.LARGE, **self.BINARY)
+            self.assertEqual((answer.status, len(answer.body)), (200, 84 * 12000 * 8), answer)
+
+    def large_job(self, who):
+        """Runs a job with a large result; returns its URL and its last state."""
+        location = self.ask("POST", "/v1/meshes/grid/matrix", who, self.LARGE, Prefer="respond-async", **self.BINARY).headers["Location"]
+        return location, wait_until(lambda: (state := self.ask("GET", location, who).json["state"]) in ("done", "failed") and state)
+
+    def test_unread_results_of_one_tenant_leave_room_to_jobs_of_others(self):
+        """A tenant deletes its jobs while it reads their results slowly."""
+        with self.start("--memory-budget", "128MiB", "--max-body", "8MiB"):
+            self.put_grids()
+            for _ in range(2):
+                location, state = self.large_job("ann")
+                self.assertEqual(state, "done")
+                self.connect("ann", f"GET {location}/result")
+                wait_until(lambda: [line for line in self.daemon.log if line.get("path") == location + "/result"])
+                self.assertEqual(self.ask("DELETE", location, "ann").status, 204)
+            self.assertEqual(self.large_job("bob")[1], "done")
 
     def test_a_tenant_with_a_full_queue_leaves_places_for_others(self):
         """While 250 jobs of one tenant wait, another tenant's query is answered at once, and its

@@ -189,10 +189,12 @@ static void keygen_refuses_wrong_arguments(void **state)
 
 /* --- access ----------------------------------------------------------------------------------- */
 
+static struct server_budget budget; /* shared out to tenants, but not used */
+
 static struct server_access *open_access(const char *text)
 {
     write_file(text);
-    struct server_access *access = server_access_create(path, error);
+    struct server_access *access = server_access_create(path, &budget, error);
     assert_non_null(access);
     return access;
 }

@@ -15,7 +15,7 @@ static bool prepare(size_t memory, uint64_t declared)
 {
     server_budget_init(&budget, memory);
     body = (struct server_body){0};
-    return server_body_prepare(&body, &budget, declared, LIMIT, &problem);
+    return server_body_prepare(&body, &budget.common, declared, LIMIT, &problem);
 }
 
 static void append_all(size_t size)
@@ -79,7 +79,7 @@ static void accepting_a_small_length_walks_no_meshes(void **state)
     server_budget_init(&budget, LIMIT);
     budget.reclaimers[SERVER_RECLAIM_IDLE] = (struct server_reclaimer){NULL, walk, NULL};
     body = (struct server_body){0};
-    assert_true(server_body_prepare(&body, &budget, LIMIT, LIMIT, &problem));
+    assert_true(server_body_prepare(&body, &budget.common, LIMIT, LIMIT, &problem));
 }
 
 static void remembers_that_chunks_passed_the_limit(void **state)
@@ -135,7 +135,7 @@ static bool send_packed(uint64_t limit, size_t size, size_t piece, size_t cut)
     unsigned char *packed = pack(size, &packed_size);
     server_budget_init(&budget, 64 << 20);
     body = (struct server_body){0};
-    assert_true(server_body_prepare(&body, &budget, SERVER_BODY_CHUNKED, limit, &problem));
+    assert_true(server_body_prepare(&body, &budget.common, SERVER_BODY_CHUNKED, limit, &problem));
     assert_true(server_body_unpack(&body, &problem));
     assert_int_equal(budget.total, SERVER_INFLATE_BYTES);
     packed_size -= cut;

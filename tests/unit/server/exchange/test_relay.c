@@ -26,7 +26,7 @@ static int set_up(void **state)
     server.host.events = server_events_create();
     server.host.workers = server_workers_create(1, 10);
     server_connect(&server);
-    relay = server_relay_create(&server.host, false);
+    relay = server_relay_create(&server.host, &server.budget.common, false);
     stream = server_relay_open(relay);
     server_stream_attach(stream, (struct server_stream_reader){ignore, ignore, is_gone, NULL});
     return 0;

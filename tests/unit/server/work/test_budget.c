@@ -140,13 +140,13 @@ static void answers_leave_a_part_to_other_classes(void **state)
     struct server_budget budget;
     server_budget_init(&budget, 1024 * KIB);
     assert_int_equal(budget.largest_answer, 512 * KIB);
-    assert_true(server_budget_take_answer(&budget, 500 * KIB));
+    assert_true(server_share_take_answer(&budget.common, 500 * KIB));
     /* all answers together may take half of the budget */
-    assert_false(server_budget_take_answer(&budget, 100 * KIB));
+    assert_false(server_share_take_answer(&budget.common, 100 * KIB));
     /* small answers may take three quarters of the budget */
-    assert_true(server_budget_take_answer(&budget, 60 * KIB));
-    for (int i = 0; i < 3; i++) assert_true(server_budget_take_answer(&budget, 64 * KIB));
-    assert_false(server_budget_take_answer(&budget, 64 * KIB)); /* exceeds this part */
+    assert_true(server_share_take_answer(&budget.common, 60 * KIB));
+    for (int i = 0; i < 3; i++) assert_true(server_share_take_answer(&budget.common, 64 * KIB));
+    assert_false(server_share_take_answer(&budget.common, 64 * KIB)); /* exceeds this part */
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 200 * KIB));
     assert_int_equal(server_budget_available(&budget), 1024 * KIB - budget.total);
     server_budget_give(&budget, SERVER_BUDGET_ANSWERS, budget.used[SERVER_BUDGET_ANSWERS]);
@@ -166,8 +166,8 @@ static void answers_can_evict_fields(void **state)
     budget.reclaimers[SERVER_RECLAIM_FIELDS] =
         (struct server_reclaimer){give_fields, NULL, &budget};
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 1000 * KIB));
-    assert_true(server_budget_take_answer(&budget, 500 * KIB));
-    assert_false(server_budget_take_answer(&budget, SIZE_MAX));
+    assert_true(server_share_take_answer(&budget.common, 500 * KIB));
+    assert_false(server_share_take_answer(&budget.common, SIZE_MAX));
     assert_int_equal(budget.used[SERVER_BUDGET_ANSWERS], 500 * KIB);
 }
 
@@ -176,9 +176,51 @@ static void texts_count_as_answers(void **state)
     (void)state;
     struct server_budget budget;
     server_budget_init(&budget, 1024 * KIB);
-    assert_true(budget.answers.take(budget.answers.user, 10 * KIB));
+    const struct proto_writer_account *account = &budget.common.account;
+    assert_true(account->take(account->user, 10 * KIB));
     assert_int_equal(budget.used[SERVER_BUDGET_ANSWERS], 10 * KIB);
-    budget.answers.give(budget.answers.user, 10 * KIB);
+    account->give(account->user, 10 * KIB);
+    assert_int_equal(budget.total, 0);
+}
+
+static void a_tenant_leaves_as_much_as_it_takes(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    struct server_share ann, bob;
+    server_budget_init(&budget, 1024 * KIB);
+    server_share_init(&ann, &budget, true);
+    server_share_init(&bob, &budget, true);
+    assert_true(server_share_take_body(&ann, 512 * KIB));
+    assert_false(server_share_take_body(&ann, 1));
+    assert_true(server_share_take_body(&bob, 256 * KIB));
+    assert_false(server_share_take_body(&bob, 1));
+    assert_false(server_share_take_body(&bob, SIZE_MAX));
+    server_share_give_body(&ann, 512 * KIB);
+    assert_true(server_share_take_body(&bob, 128 * KIB));
+    server_share_give_body(&bob, 384 * KIB);
+    assert_true(server_share_take_answer(&ann, 256 * KIB));
+    assert_false(server_share_take_answer(&ann, 128 * KIB));
+    assert_false(server_share_move_to_answers(&ann, 128 * KIB));
+    assert_int_equal(budget.refused_answers, 0); /* this lack is the tenant's own */
+    assert_true(server_share_take_answer(&bob, 128 * KIB));
+    server_share_give_answer(&ann, 256 * KIB);
+    server_share_give_answer(&bob, 128 * KIB);
+    assert_int_equal(budget.total + budget.bodies + ann.answers + bob.bodies, 0);
+}
+
+static void answers_of_dropped_jobs_count_as_unread(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    struct server_share ann;
+    server_budget_init(&budget, 1024 * KIB);
+    server_share_init(&ann, &budget, true);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_JOBS, 300 * KIB));
+    server_share_adopt_job(&ann, 300 * KIB);
+    assert_int_equal(budget.used[SERVER_BUDGET_ANSWERS], 300 * KIB);
+    assert_false(server_share_take_answer(&ann, 100 * KIB));
+    server_share_give_answer(&ann, 300 * KIB);
     assert_int_equal(budget.total, 0);
 }
 
@@ -196,6 +238,8 @@ int main(void)
         cmocka_unit_test(answers_leave_a_part_to_other_classes),
         cmocka_unit_test(answers_can_evict_fields),
         cmocka_unit_test(texts_count_as_answers),
+        cmocka_unit_test(a_tenant_leaves_as_much_as_it_takes),
+        cmocka_unit_test(answers_of_dropped_jobs_count_as_unread),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
