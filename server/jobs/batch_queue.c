@@ -21,6 +21,7 @@ const char *const server_batch_queue_tables[] = {
     " OVER (PARTITION BY batch ORDER BY item) AS number FROM items WHERE status > 0) AS counted"
     " WHERE items.batch = counted.batch AND items.item = counted.item",
     "CREATE UNIQUE INDEX items_answered ON items (batch, number) WHERE number > 0",
+    "CREATE INDEX items_failed ON items (batch, status) WHERE status >= 400",
     NULL};
 
 static int64_t now_ms(void)
@@ -88,9 +89,10 @@ static bool on_batch(void *user, const struct server_sql_value *row)
     return list->count < list->most;
 }
 
+/* Answers are numbered from 1, so the largest number is their count. */
 #define SELECT_BATCH                                                                               \
     "SELECT id, items, created, cancelled,"                                                        \
-    " (SELECT count(*) FROM items WHERE batch = id AND number > 0),"                               \
+    " (SELECT coalesce(max(number), 0) FROM items WHERE batch = id AND number > 0),"               \
     " (SELECT count(*) FROM items WHERE batch = id AND status >= 400) FROM batches "
 
 enum server_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,

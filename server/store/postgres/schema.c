@@ -50,6 +50,7 @@ static const char *const steps[] = {
     " OVER (PARTITION BY batch ORDER BY item) AS number FROM items WHERE status > 0) AS counted"
     " WHERE items.batch = counted.batch AND items.item = counted.item",
     "CREATE UNIQUE INDEX items_answered ON items (batch, number) WHERE number > 0",
+    "CREATE INDEX items_failed ON items (batch, status) WHERE status >= 400",
 };
 #define STEPS ((int64_t)(sizeof steps / sizeof *steps))
 
