@@ -1,6 +1,5 @@
 #include "proto/http/accept.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <string.h>
 #include <strings.h>
@@ -86,4 +85,15 @@ unsigned proto_accept_quality(const char *accept, const char *media_type)
         quality = weight_among(entry);
     }
     return quality;
+}
+
+bool proto_accept_lists_coding(const char *accept, const char *coding)
+{
+    struct span rest = {accept, accept ? strlen(accept) : 0};
+    while (rest.size > 0) {
+        struct span entry = next_part(&rest, ',');
+        struct span name = next_part(&entry, ';');
+        if (is_text(name, coding, strlen(coding))) return weight_among(entry) > 0;
+    }
+    return false;
 }

@@ -109,6 +109,7 @@ void server_exchange_end(struct server_exchange *exchange)
     server_budget_give(exchange->host->budget, SERVER_BUDGET_FLIGHT, exchange->held);
     server_grant_end(&exchange->grant);
     server_exchange_drop_body(exchange);
+    free(exchange->joined);
     free(exchange->copies);
     free(exchange->target);
 }
@@ -488,6 +489,35 @@ static const char *headers_check(const struct server_exchange *exchange, size_t 
                : "the request line and the headers have more than " QUOTE(HEAD_MOST) " bytes";
 }
 
+/* Writes the values of all lines of a list at `*at`, with commas, as the value of its first line.
+ * Advances `*at` past the text. */
+static void list_join(struct server_exchange *exchange, const char *name, char **at)
+{
+    struct server_request_header *first = NULL;
+    char *list = *at;
+    for (uint32_t i = 0; i < exchange->header_count; i++) {
+        struct server_request_header *line = &exchange->headers[i];
+        if (!name_equal(line->name, name)) continue;
+        if (first) *(*at)++ = ',';
+        if (!first) first = line;
+        *at = stpcpy(*at, line->value);
+    }
+    first->value = list;
+    ++*at;
+}
+
+/* Joins the lines of lists (RFC 9110, 5.3). If memory is short, only the first line counts. */
+static void lists_join(struct server_exchange *exchange)
+{
+    static const char *const names[] = {"Accept", "Accept-Encoding"};
+    char *at = NULL;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (server_exchange_count_headers(exchange, names[i]) < 2) continue;
+        if (!at) at = exchange->joined = malloc(HEAD_MOST); /* names need more than commas */
+        if (at) list_join(exchange, names[i], &at);
+    }
+}
+
 static bool length_read(const char *text, uint64_t *out)
 {
     size_t digits = strspn(text, "0123456789");
@@ -528,5 +558,7 @@ const char *server_exchange_read_head(struct server_exchange *exchange, const ch
     if (!exchange->is_http10 && strcmp(version, "HTTP/1.1") != 0)
         return "the version is neither HTTP/1.1 nor HTTP/1.0";
     const char *fault = headers_check(exchange, method_size + exchange->target_size);
-    return fault ? fault : framing_read(exchange);
+    if (fault) return fault;
+    lists_join(exchange);
+    return framing_read(exchange);
 }

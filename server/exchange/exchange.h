@@ -177,6 +177,7 @@ struct server_exchange {
     struct proto_parameters parameters; /* the decoded query string, in `parameter_list` */
     uint32_t header_count;
     char *copies;      /* copies of method and headers; NULL means the transport owns them */
+    char *joined;      /* values of headers that stand on several lines (lists_join), or NULL */
     const char *fault; /* NULL, or a sentence with the reason why the request is malformed */
     struct proto_route_match match; /* the route; NULL means no route matches */
     /* the former name that the request uses (server_exchange_rename); may be NULL */

@@ -206,16 +206,9 @@ bool server_reply_accepts_json(struct server_exchange *exchange)
     return false;
 }
 
-/* Returns true if Accept-Encoding lists gzip with a quality above zero. */
 static bool client_lists_gzip(const struct server_exchange *exchange)
 {
-    const char *list = server_exchange_header(exchange, "Accept-Encoding");
-    const char *gzip = list ? strcasestr(list, "gzip") : NULL;
-    if (!gzip) return false;
-    size_t size = strcspn(gzip, ",");
-    const char *quality = strcasestr(gzip, "q=0");
-    return !quality || quality >= gzip + size ||
-           strspn(quality + 3, ".0") < strcspn(quality + 3, ", ;");
+    return proto_accept_lists_coding(server_exchange_header(exchange, "Accept-Encoding"), "gzip");
 }
 
 /* Returns true if the client is a browser on this host. Such a browser accepts gzip, but within a

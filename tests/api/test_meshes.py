@@ -243,6 +243,18 @@ class Content(TestCase):
         self.assertEqual(answer.headers["Content-Disposition"], 'attachment; filename="torus.ply"')
         self.assert_problem(self.daemon.get("/v1/meshes/torus/content", Accept="text/html"), 406, "not_acceptable")
 
+    def test_accept_in_several_lines(self):
+        lines = (("Accept", "text/html"), ("accept", "model/obj;q=0.1"), ("Accept-Encoding", "br"), ("Accept", "application/x-ply"),
+                 ("Accept-Encoding", "gzip"))
+        connection = self.daemon.connect()
+        self.addCleanup(connection.close)
+        connection.putrequest("GET", "/v1/meshes/torus/content", skip_accept_encoding=True)
+        for line in lines:
+            connection.putheader(*line)
+        connection.endheaders()
+        answer = connection.getresponse()
+        self.assertEqual((answer.status, answer.headers["Content-Type"], answer.headers["Content-Encoding"]), (200, "application/x-ply", "gzip"))
+
     def test_compressed_answers_have_separate_tags(self):
         """Different bytes never have the same strong tag, but both tags identify the mesh."""
         path = "/v1/meshes/torus/content"

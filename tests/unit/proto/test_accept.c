@@ -40,8 +40,34 @@ static void weighs_media_types(void **state)
                          cases[i].quality);
 }
 
+static void finds_codings(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *accept;
+        bool is_listed;
+    } cases[] = {
+        {NULL, false},
+        {"", false},
+        {"gzip", true},
+        {"GZIP", true},
+        {"br, gzip ;q=0.001", true},
+        {"deflate;q=0,gzip", true},
+        {"gzip;q=0", false},
+        {"gzip; Q=0.000, br", false},
+        {"notgzip", false},
+        {"x-gzip", false},
+        {"gzipped", false},
+        {"br;x=gzip", false},
+        {"*", false},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++)
+        assert_int_equal(proto_accept_lists_coding(cases[i].accept, "gzip"), cases[i].is_listed);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(weighs_media_types)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(weighs_media_types),
+                                       cmocka_unit_test(finds_codings)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
