@@ -331,8 +331,9 @@
 #define GD_TOL_BLIND 1e-12
 
 /* A curve may leave its cell (the part of the surface with one polynomial) by this part of the
- * cell's width. The cell's polynomial continues smoothly there, and differs from the neighbour's
- * polynomial by at most the square of this part. */
+ * cell's width. The cell's polynomial continues smoothly there. If the parameters are smooth across
+ * the line, it differs from the neighbour's polynomial by at most the square of this part.
+ * Otherwise gd__chain_straying measures the difference. */
 #define GD_TOL_CELL 1e-8
 
 /* An initial curve of a path must begin and end this near to the path's ends, relative to the size

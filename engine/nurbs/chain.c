@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/tolerance.h"
 #include "nurbs/bspline.h"
 
 static size_t piece_bytes(uint32_t degree, uint32_t spans)
@@ -177,6 +178,25 @@ double gd__chain_rounding(const struct gd__chain *chain)
         gd__piece_jet(chain, &chain->pieces[side ? chain->piece_count - 1 : 0], c.at, &x);
         sum += 0.5 * DBL_EPSILON *
                (fabs(c.at[0]) * gd_vec3_length(x.u) + fabs(c.at[1]) * gd_vec3_length(x.v));
+    }
+    return sum;
+}
+
+double gd__chain_straying(const struct gd__chain *chain)
+{
+    const struct gd_parametric *surface = chain->surface;
+    double sum = 0, rounding = gd__chain_rounding(chain) + GD_TOL_COINCIDE * surface->size +
+                               GD_TOL_LOCATE * surface->farthest;
+    for (uint32_t i = 0; i < chain->piece_count; i++) {
+        const struct gd__piece *piece = &chain->pieces[i];
+        for (uint32_t end = 0; end <= piece->spans && !piece->whole; end++) {
+            struct gd__curve_jet c;
+            struct gd_jet x;
+            gd__piece_at(chain, piece, end ? end - 1 : 0, piece->knots[chain->degree + end], &c);
+            gd__piece_jet(chain, piece, c.at, &x);
+            double apart = gd_vec3_distance(x.x, gd__surface_position(surface, c.at));
+            if (apart > rounding) sum += apart;
+        }
     }
     return sum;
 }

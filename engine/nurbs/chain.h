@@ -123,6 +123,12 @@ struct gd_vec3 gd__chain_velocity(const struct gd__chain *chain, int side, struc
 /* Returns the error of the chain's length due to the rounding of its ends' coordinates. */
 double gd__chain_rounding(const struct gd__chain *chain);
 
+/* Returns the error of the chain's length because its pieces leave their cells by up to
+ * GD_TOL_CELL: the sum of the distances in space between the ends of spans, computed in the piece's
+ * cell, and the surface. Rounding errors do not count. The sum is 0 if the surface's parameters are
+ * smooth across the lines. */
+double gd__chain_straying(const struct gd__chain *chain);
+
 /* Returns the total number of spans. */
 uint32_t gd__chain_spans(const struct gd__chain *chain);
 

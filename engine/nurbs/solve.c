@@ -435,8 +435,9 @@ enum gd_status gd__solve_fine(const struct gd__task *task, struct gd__solution *
         if (has_fallen(solution->chain) || (i >= PATIENCE && gd__solution_is_bent(task, solution)))
             break;
     }
-    double rounding = status ? 0 : gd__chain_rounding(solution->chain);
-    solution->error += rounding;
-    if (rounding > task->tolerance * solution->report.length) solution->converged = false;
+    if (status) return status;
+    double fixed = gd__chain_rounding(solution->chain) + gd__chain_straying(solution->chain);
+    solution->error += fixed;
+    if (fixed > task->tolerance * solution->report.length) solution->converged = false;
     return status;
 }

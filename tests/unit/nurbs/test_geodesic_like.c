@@ -180,6 +180,49 @@ static void cylinder_and_cone_unrolled(void **state)
 
 /* The two paths around a cylinder differ by less than the mesh's error. The solver must try
  * both. */
+/* The parameter u of this cylinder is 25 times as fast at the beginning of its circle as at the
+ * end. A path begins close to the seam and crosses it. Its length is exact up to the estimate. */
+static void errors_at_a_seam_with_two_speeds_are_estimated(void **state)
+{
+    (void)state;
+    const double fast = 0.2;
+    double points[18][3], weights[18], knots_u[12];
+    static const double knots_v[4] = {0, 0, 1, 1};
+    for (int i = 0; i < 12; i++)
+        knots_u[i] = fast * circle_knots[i] / (1 + (fast - 1) * circle_knots[i]);
+    for (int i = 0; i < 18; i++) {
+        points[i][0] = circle_x[i / 2];
+        points[i][1] = circle_y[i / 2];
+        points[i][2] = i % 2;
+        weights[i] = circle_weight(i / 2);
+        for (int k = 1; k <= 2; k++) weights[i] /= 1 + (fast - 1) * circle_knots[i / 2 + k];
+    }
+    struct scene scene =
+        open_scene(surface_of(&(struct gd_nurbs_data){.degree_u = 2,
+                                                      .degree_v = 1,
+                                                      .count_u = 9,
+                                                      .count_v = 2,
+                                                      .knots_u = knots_u,
+                                                      .knots_v = knots_v,
+                                                      .knot_count_u = 12,
+                                                      .knot_count_v = 4,
+                                                      .points = (const double(*)[3])points,
+                                                      .weights = weights}));
+    for (int i = 0; i < 6; i++) {
+        double from[2] = {pow(10, -6 - i), 0.3}, to[2] = {0.95, 0.6};
+        struct gd_jet a, b;
+        check_ok(gd_parametric_evaluate(scene.surface, from[0], from[1], &a), NULL);
+        check_ok(gd_parametric_evaluate(scene.surface, to[0], to[1], &b), NULL);
+        double turn = atan2(a.x.y, a.x.x) - atan2(b.x.y, b.x.x), expected = hypot(turn, 0.3);
+        struct gd_geodesics found = solve(&scene, point_at(scene.surface, from[0], from[1]),
+                                          point_at(scene.surface, to[0], to[1]), NULL);
+        assert_true(fabs(found.items[0].length - expected) <=
+                    found.items[0].error + 1e-13 * expected);
+        gd_geodesics_free(&found);
+    }
+    close_scene(&scene);
+}
+
 static void nearly_opposite_points(void **state)
 {
     (void)state;
@@ -481,6 +524,7 @@ int main(void)
         cmocka_unit_test(the_bilinear_diagonal),
         cmocka_unit_test(sphere_away_from_its_poles_and_through_one),
         cmocka_unit_test(cylinder_and_cone_unrolled),
+        cmocka_unit_test(errors_at_a_seam_with_two_speeds_are_estimated),
         cmocka_unit_test(nearly_opposite_points),
         cmocka_unit_test(path_ends_near_a_knot_line),
         cmocka_unit_test(collinear_corners_do_not_matter),
