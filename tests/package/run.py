@@ -116,7 +116,7 @@ def look_at_packages(report, build):
     multiarch = run("dpkg-architecture", "-qDEB_HOST_MULTIARCH").strip()
     for name, package in packages.items():
         paths = {line.split(maxsplit=5)[5].removeprefix(".").partition(" -> ")[0] for line in run("dpkg-deb", "--contents", package).splitlines()}
-        paths = {path.replace("/usr/lib/systemd/", "/lib/systemd/") for path in paths} # the first is Debian 13's
+        paths = {path.replace("/usr/lib/systemd/", "/lib/systemd/") for path in paths}
         expected = {path.format(multiarch=multiarch) for path in EXPECTED[name]}
         report.expect(f"{name} has what it should", expected <= paths, expected - paths)
         version = run("dpkg-deb", "--field", package, "Version").strip()

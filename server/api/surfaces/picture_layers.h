@@ -64,9 +64,9 @@ bool server_isoparametric_draw(struct server_picture_layers *layers, struct serv
 bool server_control_net_draw(struct server_picture_layers *layers, struct server_query *query,
                              uint32_t i);
 
-/* picture_pieces.c: builds the mesh of the pieces as the figure's surface and adds their boundaries as layer i.
- * `arrays` are the arrays that a cut lists for a figure: positions, corners, piece_vertices,
- * piece_corners. On failure returns false with the problem. */
+/* picture_pieces.c: builds the mesh of the pieces as the figure's surface and adds their boundaries
+ * as layer i. `arrays` are the arrays that a cut lists for a figure: positions, corners,
+ * piece_vertices, piece_corners. On failure returns false with the problem. */
 bool server_pieces_draw(struct server_picture_layers *layers, struct server_query *query,
                         uint32_t i, const struct server_arrays *arrays);
 
