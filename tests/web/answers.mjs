@@ -70,9 +70,9 @@ const CAUSES = [
 ];
 
 async function retries(browser) {
+  const page = await open(browser);
+  page.tolerate(/status of (401|404|503)|ERR_FAILED/);
   for (const [answer, sentence] of CAUSES) {
-    const page = await open(browser);
-    page.tolerate(/status of (401|404|503)|ERR_FAILED/);
     const permit = await refuse(page, answer);
     await nudge(page);
     assert.match(await page.locator("#notice .error").textContent(), sentence);

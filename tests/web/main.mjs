@@ -47,7 +47,7 @@ const groups = {
   picture: withLong(picture),
   derive: derive.tests,
   embed: embed.tests,
-  modes: await modes.tests(browser),
+  modes: modes.tests,
   docs: docs.tests,
   figures: withLong(figures),
 };
