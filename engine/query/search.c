@@ -74,8 +74,12 @@ static enum gd_status search_run(struct search *search, struct gd__guide *guide,
     search->bound = bound + rounding;
     enum gd_status status = gd__rings_draw(guide, &search->seed.point, search->bound);
     if (status) return status;
-    struct gd__propagation propagation = {
-        .seeds = &search->seed, .seed_count = 1, .radius = search->bound, .guide = guide};
+    struct gd__propagation propagation = {.seeds = &search->seed,
+                                          .seed_count = 1,
+                                          .radius = search->bound,
+                                          .guide = guide,
+                                          .target = &search->target,
+                                          .without_path = !search->output};
     struct gd__sink sink = {.take = search_answer, .user = search};
     return gd__wavefront_run(search->mesh, &propagation, &sink, control);
 }

@@ -5,7 +5,7 @@
  * more than three visits. */
 #define PRUNE_AFTER 8
 /* Number of visits of a side after which its wedges are stored for pruning. This is for
- * propagations that compute distances only; others store all wedges. */
+ * propagations that do not store all wedges. */
 #define STORE_AFTER  4
 #define LINE         64 /* bytes of a cache line */
 #define LINES_BEFORE 16 /* number of cache lines for the wedges of a few lists */
@@ -210,6 +210,13 @@ static void list_forget(struct gd__wavefront *front, struct gd__list *list)
     if (list->visits < UINT16_MAX) list->visits++;
 }
 
+static inline bool is_stored(const struct gd__wavefront *front, uint32_t side, uint32_t visits)
+{
+    bool stored = front->stores_all || visits > STORE_AFTER;
+    for (int i = 0; i < 6 && !stored; i++) stored = front->target_side[i] == side;
+    return stored;
+}
+
 void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
 {
     struct gd__list *list = gd__wavefront_list(front, side);
@@ -221,8 +228,7 @@ void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
     struct gd__receiver at = gd__wavefront_receiver(front, side);
     front->counts.sides_propagated++;
     front->status = prune_windows(front, &at, list, &windows, &count);
-    bool stores = !front->paged || list->visits > STORE_AFTER;
-    if (!front->status && count && stores)
+    if (!front->status && count && is_stored(front, side, list->visits))
         front->status = store_chunk(front, side, &windows, count);
     if (front->bound < GD__FAR && !front->guide)
         count = front->kernel->within(&windows, count, front->bound);

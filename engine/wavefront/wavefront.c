@@ -191,6 +191,20 @@ static void set_target(struct gd__wavefront *front, const struct gd_point *targe
     }
 }
 
+/* Stores the sides of the target's faces. The target's distance is computed from their wedges. If
+ * the target is a vertex, its distance is known. */
+static void set_target_sides(struct gd__wavefront *front, const struct gd_point *target)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    uint32_t face[2] = {GD_NONE, GD_NONE};
+    if (target && target->kind == GD_POINT_FACE) face[0] = target->element;
+    if (target && target->kind == GD_POINT_EDGE)
+        for (int k = 0; k < 2; k++) face[k] = mesh->side_face[2 * target->element + k];
+    for (int i = 0; i < 6; i++)
+        front->target_side[i] =
+            face[i / 3] == GD_NONE ? GD_NONE : mesh->face_side[face[i / 3]][i % 3];
+}
+
 /* Returns the width of a bucket. It is computed for the smallest component that has a seed. With
  * the width for a large component, all nodes of a component that is a million times smaller would
  * be in one bucket. */
@@ -246,7 +260,9 @@ static enum gd_status wavefront_open(struct gd__wavefront *front,
     front->bound = propagation->radius;
     front->takes_all =
         !front->guide && !front->paged && !propagation->target && propagation->radius >= GD__FAR;
+    front->stores_all = !front->paged && !propagation->without_path;
     set_target(front, propagation->target);
+    set_target_sides(front, propagation->target);
     return status;
 }
 

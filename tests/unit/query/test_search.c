@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "mesh/canonical.h"
 #include "wavefront/workspace.h"
 #include "tests/samples/random.h"
 #include "tests/samples/samples.h"
@@ -257,6 +258,40 @@ static void large_fans_are_visited_a_few_times(void **state)
 
 /* The distance of two points close to a vertex is their Euclidean distance. The path through the
  * vertex is hardly longer but not the shortest. */
+static struct gd_point random_point(const struct gd_mesh *mesh, uint32_t kind, struct rng *rng)
+{
+    double weight[3] = {rng_between(rng, 0.1, 0.4), rng_between(rng, 0.1, 0.4)};
+    weight[2] = 1 - weight[0] - weight[1];
+    switch (kind) {
+    case 0:
+        return gd__point_of_vertex(rng_below(rng, mesh->vertex_count));
+    case 1:
+        return gd__point_of_edge(mesh, rng_below(rng, mesh->edge_count), weight[0]);
+    default:
+        return gd__point_of_face(mesh, rng_below(rng, mesh->face_count), weight);
+    }
+}
+
+/* A search of a distance stores wedges only for the target's faces, a search of a path all. */
+static void distances_are_those_of_paths(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = terrain(24);
+    struct rng rng = {4};
+    for (uint32_t i = 0; i < 300; i++) {
+        struct gd_point from = random_point(mesh, i / 3 % 3, &rng),
+                        to = random_point(mesh, i % 3, &rng);
+        struct gd_pair_request request = {.from = &from, .to = &to};
+        struct gd_pair_answer answer, by_path;
+        check_ok(gd_pair_solve(mesh, &request, NULL, &answer, NULL), NULL);
+        request.output = GD_PAIR_PATH;
+        check_ok(gd_pair_solve(mesh, &request, NULL, &by_path, NULL), NULL);
+        assert_true(answer.distance == by_path.distance);
+        gd_pair_answer_free(&by_path);
+    }
+    gd_mesh_release(mesh);
+}
+
 static void points_close_to_a_vertex(void **state)
 {
     (void)state;
@@ -326,6 +361,7 @@ int main(void)
         cmocka_unit_test(both_directions_search_from_one_end),
         cmocka_unit_test(a_failed_search_leaves_nothing),
         cmocka_unit_test(large_fans_are_visited_a_few_times),
+        cmocka_unit_test(distances_are_those_of_paths),
         cmocka_unit_test(points_close_to_a_vertex),
         cmocka_unit_test(points_close_to_a_vertex_at_the_origin),
     };
