@@ -210,11 +210,9 @@
  * be replaced by another one. */
 #define GD_TOL_BOUND 1e-8
 
-/* Rounding error of a distance that is stored as a float, or of a difference of two such distances,
- * relative to the distance. In components whose lengths are near the smallest float, the error is a
- * few times the smallest float. */
-#define GD_TOL_FLOAT       6e-8
-#define GD_TOL_FLOAT_LEAST 1e-44
+/* Rounding error of a bound by landmarks, in steps. A distance from a landmark has at most 65535
+ * steps, so its error is far below this. */
+#define GD_TOL_LANDMARK 1e-6
 
 /* A straight line goes through a vertex if it passes this close to the vertex. The tolerance is
  * relative to the crossed edge or to the line's length so far, whichever is shorter; GD_TOL_PLACE

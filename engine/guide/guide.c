@@ -54,23 +54,23 @@ static enum gd_status touch_vertex(struct gd__guide *guide, uint32_t vertex)
 /* --- lower bounds ----------------------------------------------------------------------------- */
 
 /* Returns a lower bound of the distance from a vertex to a point. `bounds` has the bounds of the
- * point's distances from the landmarks. The result is reduced by the rounding errors of the vertex'
- * own distance and of the two subtractions. The loop has no branches and a fixed number of
- * landmarks, so that compilers vectorise it. */
+ * point's distances from the landmarks. The vertex' own distance is at most one step larger than
+ * stored. The loops have no branches and a fixed number of landmarks, so that compilers vectorise
+ * them. */
 static double landmark_bound(const struct gd__guide *guide,
                              const struct gd__landmark_bounds *bounds, uint32_t vertex)
 {
-    const float *distance = guide->landmark + (size_t)GD__LANDMARKS_MOST * vertex;
-    float bound[GD__LANDMARKS_MOST];
+    const uint16_t *distance = guide->landmark + (size_t)GD__LANDMARKS_MOST * vertex;
+    uint16_t bound[GD__LANDMARKS_MOST];
     for (int i = 0; i < GD__LANDMARKS_MOST; i++) {
-        float d = distance[i], slack = (float)GD_TOL_FLOAT * d;
-        float nearer = bounds->low[i] - d - slack, farther = d - slack - bounds->high[i];
+        uint16_t d = distance[i], low = bounds->low[i], high = bounds->high[i];
+        uint16_t nearer = low > d ? low - d : 0, farther = d > high ? d - high : 0;
         bound[i] = nearer > farther ? nearer : farther;
     }
     for (int half = GD__LANDMARKS_MOST / 2; half > 0; half /= 2)
         for (int i = 0; i < half; i++)
             bound[i] = bound[i] > bound[i + half] ? bound[i] : bound[i + half];
-    return bound[0] * (1 - 2 * GD_TOL_FLOAT) - GD_TOL_FLOAT_LEAST;
+    return (bound[0] - GD_TOL_LANDMARK) * guide->landmark_step;
 }
 
 double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end)
@@ -107,16 +107,16 @@ void gd__guide_reset_lower(struct gd__guide *guide)
 static void read_landmarks(const struct gd__guide *guide, const struct gd__anchor *point,
                            struct gd__landmark_bounds *out)
 {
-    for (uint32_t i = 0; i < GD__LANDMARKS_MOST; i++) {
-        double low = -HUGE_VAL, high = HUGE_VAL;
-        for (int k = 0; k < 4 && guide->landmark && point->corner[k] != GD_NONE; k++) {
+    for (uint32_t i = 0; i < GD__LANDMARKS_MOST && guide->landmark; i++) {
+        double low = 0, high = UINT16_MAX;
+        for (int k = 0; k < 4 && point->corner[k] != GD_NONE; k++) {
             double d = guide->landmark[(size_t)GD__LANDMARKS_MOST * point->corner[k] + i],
-                   slack = GD_TOL_FLOAT * d;
-            low = fmax(low, d - slack - point->leg[k]);
-            high = fmin(high, d + slack + point->leg[k]);
+                   leg = point->leg[k] / guide->landmark_step;
+            low = fmax(low, floor(d - leg) - 1);
+            high = fmin(high, ceil(d + 1 + leg));
         }
-        out->low[i] = (float)(low * (1 - GD_TOL_FLOAT));
-        out->high[i] = (float)(high * (1 + GD_TOL_FLOAT));
+        out->low[i] = (uint16_t)low;
+        out->high[i] = (uint16_t)high;
     }
 }
 

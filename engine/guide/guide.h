@@ -11,7 +11,7 @@
 #include "window/predecessor.h"
 #include "kernel/ring.h"
 
-#define GD__LANDMARKS_MOST 16
+#define GD__LANDMARKS_MOST 32
 
 struct gd__guide_node {
     /* length of the shortest known path from this vertex to the target, or GD__FAR if there is
@@ -27,9 +27,9 @@ struct gd__guide_node {
     bool closed, touched;
 };
 
-/* Bounds of a point's distance from each landmark. */
+/* Bounds of a point's distance from each landmark, in steps. `low` is one step below the bound. */
 struct gd__landmark_bounds {
-    float low[GD__LANDMARKS_MOST], high[GD__LANDMARKS_MOST];
+    uint16_t low[GD__LANDMARKS_MOST], high[GD__LANDMARKS_MOST];
 };
 
 struct gd__guide_entry {
@@ -49,9 +49,10 @@ struct gd__guide {
     uint32_t touched_count, touched_capacity;
     struct gd__guide_entry *heap;
     uint32_t heap_count, heap_capacity;
-    /* GD__LANDMARKS_MOST distances for each vertex, 0 for a missing landmark; NULL if there are no
-       landmarks */
-    const float *landmark;
+    /* GD__LANDMARKS_MOST distances for each vertex in steps, rounded down, 0 for a missing
+       landmark; NULL if there are no landmarks */
+    const uint16_t *landmark;
+    double landmark_step; /* length of a step; normalised unit */
     struct gd__landmark_bounds from_target, from_start;
     struct gd__rings rings;
 };

@@ -8,12 +8,16 @@
 #include "mesh/canonical.h"
 #include "mesh/image_header.h"
 
+/* The step before any distance is known. Far below the rounding error of distances. */
+#define LEAST_STEP 0x1p-64
+
 struct gd_landmarks {
     const struct gd_mesh *mesh;
     uint32_t count;
-    /* GD__LANDMARKS_MOST distances for each vertex, in the normalised unit, rounded to nearest. A
-       distance of 0 means that there is no such landmark, or that it is on another component. */
-    float distance[];
+    double step; /* normalised unit */
+    /* GD__LANDMARKS_MOST distances for each vertex, in steps, rounded down. A distance of 0 means
+       that there is no such landmark, or that it is on another component. */
+    uint16_t distance[];
 };
 
 void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_mesh *mesh,
@@ -21,13 +25,14 @@ void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_m
 {
     bool fit = landmarks && landmarks->mesh == mesh;
     guide->landmark = fit ? landmarks->distance : NULL;
+    guide->landmark_step = fit ? landmarks->step : 0;
 }
 
 /* --- creation --------------------------------------------------------------------------------- */
 
 static size_t distance_bytes(const struct gd_mesh *mesh)
 {
-    return sizeof(float) * GD__LANDMARKS_MOST * (size_t)mesh->vertex_count;
+    return sizeof(uint16_t) * GD__LANDMARKS_MOST * (size_t)mesh->vertex_count;
 }
 
 static size_t landmarks_bytes_of(const struct gd_mesh *mesh)
@@ -41,6 +46,7 @@ static struct gd_landmarks *landmarks_create(const struct gd_mesh *mesh, uint32_
     if (!landmarks) return NULL;
     landmarks->mesh = gd_mesh_retain(mesh);
     landmarks->count = count;
+    landmarks->step = LEAST_STEP;
     return landmarks;
 }
 
@@ -72,12 +78,43 @@ struct column {
     double *distance;
 };
 
+/* Enlarges the step by a power of two until distances up to `longest` fit. Distances that are
+ * stored already are divided by the same power; they remain rounded down. */
+static void fit_step(struct gd_landmarks *landmarks, double longest)
+{
+    int shift = 0;
+    while (longest / landmarks->step >= UINT16_MAX) {
+        landmarks->step *= 2;
+        shift += shift < 16;
+    }
+    size_t count = (size_t)GD__LANDMARKS_MOST * landmarks->mesh->vertex_count;
+    for (size_t i = 0; i < count && shift; i++)
+        landmarks->distance[i] = (uint16_t)((uint32_t)landmarks->distance[i] >> shift);
+}
+
 static void landmarks_take(struct column *column, uint32_t vertex, double distance)
 {
     struct gd_landmarks *landmarks = column->landmarks;
     landmarks->distance[(size_t)GD__LANDMARKS_MOST * vertex + column->index] =
-        isfinite(distance) ? (float)distance : 0;
+        isfinite(distance) ? (uint16_t)(distance / landmarks->step) : 0;
     if (distance < column->nearest[vertex]) column->nearest[vertex] = distance;
+}
+
+/* Returns the distance of a vertex from the present landmark; infinite if it is not reached. */
+static double column_at(const struct column *column, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = column->landmarks->mesh;
+    return column->distance[mesh->index_of_vertex[vertex]] / mesh->unit;
+}
+
+static double longest_of(const struct column *column)
+{
+    double longest = 0;
+    for (uint32_t v = 0; v < column->landmarks->mesh->vertex_count; v++) {
+        double distance = column_at(column, v);
+        if (isfinite(distance) && distance > longest) longest = distance;
+    }
+    return longest;
 }
 
 /* Computes the distances from one landmark. If the field fails its check, there are no distances,
@@ -91,8 +128,9 @@ static enum gd_status landmarks_measure(struct column *column, uint32_t vertex,
     enum gd_status status =
         gd_field_distances_only(mesh, &request, control, column->distance, NULL);
     if (status == GD_INTERNAL) column->nearest[vertex] = 0;
+    if (!status) fit_step(column->landmarks, longest_of(column));
     for (uint32_t v = 0; v < mesh->vertex_count && !status; v++)
-        landmarks_take(column, v, column->distance[mesh->index_of_vertex[v]] / mesh->unit);
+        landmarks_take(column, v, column_at(column, v));
     return status == GD_INTERNAL ? GD_OK : status;
 }
 
@@ -156,11 +194,12 @@ enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count,
 /* --- binary image ----------------------------------------------------------------------------- */
 
 static const char magic[8] = "GDLANDM";
-static const uint32_t version = 2;
+static const uint32_t version = 3;
 
 struct header {
     struct gd__image_header image_header;
     uint32_t count, reserved; /* reserved must be 0 */
+    double step;
 };
 
 size_t gd_landmarks_image_size(const struct gd_landmarks *landmarks)
@@ -171,7 +210,8 @@ size_t gd_landmarks_image_size(const struct gd_landmarks *landmarks)
 void gd_landmarks_write_image(const struct gd_landmarks *landmarks, void *bytes)
 {
     struct header header = {.image_header = gd__image_header(landmarks->mesh, magic, version),
-                            .count = landmarks->count};
+                            .count = landmarks->count,
+                            .step = landmarks->step};
     memcpy(bytes, &header, sizeof header);
     memcpy((char *)bytes + sizeof header, landmarks->distance, distance_bytes(landmarks->mesh));
 }
@@ -183,6 +223,7 @@ static enum gd_status check_header(const struct gd_mesh *mesh, const struct head
         gd__image_header_check(mesh, &header->image_header, magic, version, NULL);
     if (status) return status;
     if (header->count == 0 || header->count > GD__LANDMARKS_MOST) return GD_UNRECOGNIZED;
+    if (!(header->step > 0 && header->step < GD__FAR / UINT16_MAX)) return GD_NON_FINITE;
     return size == sizeof *header + distance_bytes(mesh) ? GD_OK : GD_TRUNCATED;
 }
 
@@ -196,13 +237,8 @@ enum gd_status gd_landmarks_open_image(const struct gd_mesh *mesh, const void *b
     if (status) return status;
     struct gd_landmarks *landmarks = landmarks_create(mesh, header.count);
     if (!landmarks) return GD_NO_MEMORY;
+    landmarks->step = header.step;
     memcpy(landmarks->distance, (const char *)bytes + sizeof header, size - sizeof header);
-    for (size_t i = 0; i < GD__LANDMARKS_MOST * (size_t)mesh->vertex_count && !status; i++)
-        if (!(landmarks->distance[i] >= 0 && isfinite(landmarks->distance[i])))
-            status = GD_NON_FINITE;
-    if (status)
-        gd_landmarks_release(landmarks);
-    else
-        *out = landmarks;
-    return status;
+    *out = landmarks;
+    return GD_OK;
 }

@@ -109,7 +109,7 @@ static const struct option options[] = {
     {"max-jobs", "N", NUMBER(COUNT, max_jobs, 1, 1000000, "10000"),
      "most jobs; beyond that, or when their answers fill an eighth of the memory budget, the "
      "oldest ended jobs of the key with the most jobs are dropped"},
-    {"landmarks", "N", NUMBER(COUNT, landmarks, 0, 16, "16"),
+    {"landmarks", "N", NUMBER(COUNT, landmarks, 0, 32, "32"),
      "landmark fields for a mesh, computed in idle time after its first search; they make later "
      "searches shorter; 0: none"},
     {"store", "KIND", VALUE(STORE, store, "local"),

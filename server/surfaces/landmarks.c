@@ -11,7 +11,7 @@
 #define BYTES_AN_EDGE 256 /* bytes of a build for each edge; see server/doc/003 */
 #define BYTES_A_BUILD ((size_t)1 << 20)
 /* the landmarks, and the distances to choose them */
-#define BYTES_A_VERTEX (16 * sizeof(float) + sizeof(double))
+#define BYTES_A_VERTEX (32 * sizeof(uint16_t) + sizeof(double))
 #define LARGEST_PART   4  /* a build may take at most 1/4 of the budget */
 #define PAUSE_FACTOR   10 /* pause before a rebuild, in multiples of the time of the last build */
 #define PAUSE_LEAST_NS UINT64_C(100000000)

@@ -53,7 +53,7 @@ class Start(unittest.TestCase):
         self.assert_refused(run("--workers"), "value")
         self.assert_refused(run("--workers", "many"), "whole number")
         self.assert_refused(run("--memory-budget", "4 apples"), "size")
-        self.assert_refused(run("--landmarks", "17"), "0 to 16")
+        self.assert_refused(run("--landmarks", "33"), "0 to 32")
         self.assert_refused(run("workers"), "--")
 
     def test_other_addresses_than_loopback_need_keys(self):

@@ -101,7 +101,7 @@ bool bench_take_options(char ***arguments, struct bench_options *options)
         if (!bench_take_count(arguments, "--runs", &options->runs) ||
             !take_whole(arguments, "--pin", 0, CPU_SETSIZE - 1, &cpu) ||
             !take_whole(arguments, "--subdivide", 0, 8, &options->levels) ||
-            !take_whole(arguments, "--landmarks", 1, 16, &options->landmarks) ||
+            !take_whole(arguments, "--landmarks", 1, 32, &options->landmarks) ||
             !bench_take_cpu(arguments) ||
             !take_number(arguments, "--noise", 0, 10, &options->noise))
             return false;

@@ -3,7 +3,7 @@
  *
  * By the triangle inequality, |d(l, p) - d(l, q)| <= d(p, q) for each landmark l (Goldberg and
  * Harrelson 2005, "Computing the shortest path: A* search meets graph theory"). Distances are
- * stored as floats, and bounds are rounded down, so that results are the same with and without
+ * stored in 16 bits, and bounds are rounded down, so that results are the same with and without
  * landmarks. Landmarks are immutable: any number of threads may use them. */
 #ifndef GD_LANDMARKS_H
 #define GD_LANDMARKS_H
@@ -17,9 +17,9 @@ GD_EXTERN_C_BEGIN
 
 struct gd_landmarks;
 
-/* Builds `count` landmarks, at most 16. Each landmark is the vertex that is farthest from the
+/* Builds `count` landmarks, at most 32. Each landmark is the vertex that is farthest from the
  * previous ones. Landmarks keep the mesh alive. The caller owns `*out`. Errors:
- * GD_INVALID_ARGUMENT (count is 0 or more than 16), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_INVALID_ARGUMENT (count is 0 or more than 32), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
  * GD_DEADLINE, GD_INTERNAL, GD_RUNAWAY. Cost: count + 1 propagations without wedges (the first
  * propagation only chooses the first landmark), and 64 bytes a vertex for any number of landmarks.
  * Thread-safe. */

@@ -54,7 +54,7 @@ static void has_defaults(void **state)
     assert_true(config.workers >= 1);
     assert_int_equal(config.log_level, SERVER_LOG_INFO);
     assert_string_equal(server_config_cpus[config.cpu], "auto");
-    assert_int_equal(config.landmarks, 16);
+    assert_int_equal(config.landmarks, 32);
     assert_int_equal(config.job_ttl_s, 3600);
     assert_int_equal(config.max_jobs, 10000);
 }
@@ -112,7 +112,7 @@ static void refuses_wrong_values(void **state)
     assert_wrong(LOAD("serve"), "--help");
     assert_wrong(LOAD("--log-level", "loud"), "debug, info, warn or error");
     assert_wrong(LOAD("--cpu", "sse"), "auto, baseline, avx2 or avx512");
-    assert_wrong(LOAD("--landmarks", "17"), "0 to 16");
+    assert_wrong(LOAD("--landmarks", "33"), "0 to 32");
     assert_wrong(LOAD("--cpu", ""), "auto, baseline, avx2 or avx512");
     assert_wrong(LOAD("--listen", "8080"), "ADDR:PORT");
     assert_wrong(LOAD("--listen", "127.0.0.1:65536"), "port");
