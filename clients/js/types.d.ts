@@ -1631,6 +1631,7 @@ export type Mesh = {
     operations: Array<Record<string, unknown>>;
   };
   memory_bytes: Count;
+  /** Number of cached fields. It changes without the ETag. */
   fields_cached: Count;
   created: string;
   /** ETag of the file and its options, without quotes. */

@@ -151,6 +151,7 @@ PLAIN = {
     "nothing of that name": absent,
     "a media type that there is not": lambda scene, operation, ask: ask.plus(Accept="image/x-nothing"),
     "no body": lambda scene, operation, ask: ask._replace(body=None) if operation.body else None,
+    "a body that is not expected": lambda scene, operation, ask: None if operation.body else ask.plus(b"{}"),
     "another version": lambda scene, operation, ask: ask.plus(If_Match='"00000000000000000000000000000000"'),
     "not this version": lambda scene, operation, ask: ask.plus(If_None_Match="*"),
     "a body that is too large": oversized,
