@@ -38,11 +38,12 @@ SOURCE_FOLDERS := $(addprefix $(realpath .)/,.ci .git clients docker engine prot
 ifneq ($(filter $(patsubst %/,%,$(BUILD_PLACE))/%,$(realpath .)/)$(filter $(SOURCE_FOLDERS) $(addsuffix /%,$(SOURCE_FOLDERS)),$(BUILD_PLACE)),)
 $(error BUILD=$(BUILD) is the checkout, a folder around it or one of sources: name another)
 endif
-# Build folders of earlier versions have no mark. `web`, `openmesh` and `npm` may exist in the build
-# folder before the mark.
+# Build folders of earlier versions have no mark. `make setup-test` and the pages write the folders
+# of BEFORE_MARK before the mark.
+BEFORE_MARK := web openmesh npm chromium cgal
 ifeq ($(wildcard $(BUILD_MARK))$(and $(filter obj,$(BUILD_CONTENTS)),$(filter generated,$(BUILD_CONTENTS))),)
-ifneq ($(filter-out web openmesh npm,$(BUILD_CONTENTS)),)
-$(error BUILD=$(BUILD) holds other files ($(firstword $(filter-out web openmesh npm,$(BUILD_CONTENTS)))): name a new or an empty folder)
+ifneq ($(filter-out $(BEFORE_MARK),$(BUILD_CONTENTS)),)
+$(error BUILD=$(BUILD) holds other files ($(firstword $(filter-out $(BEFORE_MARK),$(BUILD_CONTENTS)))): name a new or an empty folder)
 endif
 endif
 

@@ -24,13 +24,19 @@ $(BUILD)/ablation/%.c.o: %.c $(COMPILE) | $(BUILD)/generated/sources
 $(BUILD)/gd_ablation: $(ABLATION_OBJECTS) $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
 	$(call link,$(CXX)) $(ENGINE_LIBS)
 
-# The sweep compares distances with CGAL's. Without libcgal-dev, the program reports this and skips
+# The sweep compares distances with CGAL's. Without CGAL, the program reports this and skips
 # the comparison.
 SWEEP_SHARED := $(or $(GEODESICD_SHARED),../shared)/meshes
 SWEEP_SHORT  := icosphere:level=3 terrain:cells=32 torus genus2:cells=4 tangle:faces=400 saddle cylinder:sides=24 obstacles:count=12 \
                 $(wildcard $(foreach name,spot suzanne teapot cow beetle homer fandisk,$(SWEEP_SHARED)/$(name).obj))
 
-$(BUILD)/obj/tests/oracle/cgal_distances.cc.o: FILE_FLAGS += -frounding-math
+# The packages of the headers are in $(CGAL) (docker/setup.mk). A system's CGAL has priority.
+$(BUILD)/obj/tests/oracle/cgal_distances.cc.o: FILE_FLAGS += -frounding-math -idirafter $@.headers/usr/include
+$(BUILD)/obj/tests/oracle/cgal_distances.cc.o: tests/oracle/cgal_distances.cc $(COMPILE)
+	@mkdir -p $(@D)
+	@for package in $(wildcard $(CGAL)/*.deb); do dpkg-deb -x $$package $@.headers || exit 1; done
+	$(call tell,CXX,$<)$(compile_cxx)
+	@rm -rf $@.headers
 $(BUILD)/gd_sweep: $(call objects,$(wildcard tests/oracle/cgal_*.c tests/oracle/cgal_*.cc)) $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
 	$(call link,$(CXX)) $(ENGINE_LIBS) -lcmocka
 

@@ -12,7 +12,9 @@ import unittest
 from harness import PROGRAM
 
 TUTORIAL = pathlib.Path(__file__).resolve().parents[2] / "server/doc/guide/tutorial.md"
-BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
+# `make setup-test` unpacks this browser
+UNPACKED = str(TUTORIAL.parents[3] / "build/chromium/usr/lib/chromium/chromium-headless-shell")
+BROWSERS = (UNPACKED, "chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 PREAMBLE = 'set -euo pipefail; curl() { command curl --silent --show-error --fail-with-body --max-time 60 "$@"; echo; }\n'
 BROWSE = ["--headless", "--no-sandbox", "--disable-gpu", "--timeout=60000", "--virtual-time-budget=60000", "--dump-dom"]
 

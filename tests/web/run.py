@@ -21,7 +21,9 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path.insert(0, str(HERE.parent / "api"))
 SHARED = pathlib.Path(os.environ.get("GEODESICD_SHARED") or ROOT.parent / "shared") / "meshes"
-BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
+# `make setup-test` unpacks this browser
+UNPACKED = str(ROOT / "build/chromium/usr/lib/chromium/chromium-headless-shell")
+BROWSERS = (UNPACKED, "chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 FACES = 70000  # faces of the mesh that points are dragged on
 
 
