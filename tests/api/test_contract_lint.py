@@ -1,6 +1,6 @@
 """Lints the contract by a linter of another project.
 
-The linter is an npm package: `make contract-linter` installs it below the build's directory.
+The linter is an npm package: `make contract-generators` installs it below the build's directory.
 Without this package or without node, the test is skipped.
 """
 import pathlib
@@ -12,11 +12,11 @@ import unittest
 import contract
 from harness import PROGRAM
 
-LINTER = PROGRAM.parent / "linter"
+LINTER = PROGRAM.parent / "generators"
 SCRIPT = pathlib.Path(__file__).with_name("contract_lint.mjs")
 
 
-@unittest.skipUnless(shutil.which("node") and (LINTER / "complete").exists(), "needs node and `make contract-linter`")
+@unittest.skipUnless(shutil.which("node") and (LINTER / "complete").exists(), "needs node and `make contract-generators`")
 class Lint(unittest.TestCase):
     def lint(self, document):
         done = subprocess.run(["node", SCRIPT, LINTER / "node_modules", document], capture_output=True, text=True, timeout=120, check=True)
