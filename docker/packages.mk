@@ -97,7 +97,7 @@ deb: | $(BUILD)/stamps/package-tools ## build the Debian packages of daemon, cli
 	@cd $(BUILD)/deb/source && $(DEB_FLAGS) SOURCE=$(CURDIR) DEB_BUILD=$(abspath $(DEB_BUILD)) \
 	    DEB_BUILD_OPTIONS="$(DEB_BUILD_OPTIONS) noautodbgsym" \
 	    dpkg-buildpackage --build=binary --unsigned-changes --no-check-builddeps >../log 2>&1 || { tail -n 30 ../log; exit 1; }
-	@ls $(BUILD)/deb/*.deb
+	@rm -rf $(BUILD)/deb/source && ls $(BUILD)/deb/*.deb
 
 image: ## build the container image and its bill of materials (docker, podman or buildah; BASE= SOURCE= VIEWER=no)
 	@BASE='$(BASE)' SOURCE='$(SOURCE)' VIEWER='$(VIEWER)' docker/image.sh $(BUILD)

@@ -36,9 +36,12 @@ $(call stamp,$(notdir $(1)),$(subst /,_,$(1))_LIST)
 $(1): $(2) $(BUILD)/stamps/$(notdir $(1))
 endef
 
+# Archives that `make install` does not copy are thin: they contain only the names of the objects.
+%.a: THIN = $(if $(SAN),T)
+%/libgd_proto.a %/libgd_server.a %/libgd_samples.a %/libgd_support.a: THIN = T
 %.a:
 	@rm -f $@
-	$(call tell,AR)$(AR) rcs $@ $(filter %.o,$^)
+	$(call tell,AR)$(AR) rcs$(THIN) $@ $(filter %.o,$^)
 
 # Kernels compiled for AVX2 and AVX-512 from common sources. The daemon chooses one when it starts
 # (engine/kernel/cpu.c).

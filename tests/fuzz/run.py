@@ -3,8 +3,10 @@
 
 usage: tests/fuzz/run.py --seconds N [--seed N] PROGRAM...
 
-fuzz_NAME starts from corpus/NAME, which it does not change. Prints `ok NAME` or `not ok NAME` with
-executions and coverage; inputs that a target found stay in the program's folder.
+fuzz_NAME starts from corpus/NAME, which it does not change. Inputs that cover more code stay in the
+program's folder for the next run. With a fixed seed they are deleted, so each such run starts from
+corpus/NAME alone. Prints `ok NAME` or `not ok NAME` with executions and coverage. Inputs on which a
+target failed stay in the program's folder.
 """
 import argparse
 import concurrent.futures
@@ -13,6 +15,7 @@ import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "fault"))
 
@@ -24,7 +27,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 
 def fuzz(program, seconds, seed):
     name = program.name.removeprefix("fuzz_")
-    grown = program.parent / "corpus" / name
+    place = tempfile.TemporaryDirectory()
+    grown = pathlib.Path(place.name) if seed else program.parent / "corpus" / name
     grown.mkdir(parents=True, exist_ok=True)
     bound = f"-max_total_time={seconds}" if seconds else "-runs=0"
     command = [program.resolve(), bound, f"-seed={seed}", "-max_len=4096", "-timeout=20", "-rss_limit_mb=1024",
