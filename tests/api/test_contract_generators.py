@@ -42,11 +42,14 @@ class Generators(TestCase):
     def test_hey_api(self):
         self.check("hey-api")
 
+    def test_orval(self):
+        self.check("orval")
+
     def test_a_fault_is_found(self):
         document = self.daemon.get("/openapi.json").json
         path = "/v1/meshes/{name}/distance"
         document["paths"] = {path: document["paths"][path]}  # the generators are fast on one path
         document["components"]["schemas"]["DistanceAnswer"]["properties"]["from"] = {"$ref": "#/components/schemas/NoSuch"}
-        for generator in ("openapi-typescript", "hey-api"):
+        for generator in ("openapi-typescript", "hey-api", "orval"):
             with self.subTest(generator=generator):
                 self.assertNotEqual(self.generate(generator, document)[0], 0)
