@@ -9,9 +9,9 @@ tests that passed. Skipped tests, and lines that begin with `# ` (figures worth 
 always shown. A program is reported when it has ended. The last line is `N passed, N failed, N
 skipped`; the exit status is 0 only if nothing failed and something passed.
 
-Programs of --waiting mostly wait for daemons, so they need little of a processor. At most WAITING
-of them run at once, beside the others. The number of programs that run at once is one more than
-the number of cores, and with --waiting two more. Programs begin in the given order.
+The number of programs that run at once is one more than the number of cores. Programs of --waiting
+mostly wait for daemons, so they need little of a processor: one of them runs at a time, beside the
+others. Programs begin in the given order.
 """
 import argparse
 import collections
@@ -24,7 +24,6 @@ import sys
 import threading
 import time
 
-WAITING = 2  # programs of --waiting that run at once, while there are others
 OK = re.compile(r"^ok\b(?!.*# SKIP)", re.M | re.I)
 NOT_OK = re.compile(r"^not ok\b(?!.*# SKIP)", re.M)
 # also matches "not ok", which cmocka prints for skipped tests
@@ -56,19 +55,19 @@ class Programs:
 
     def __init__(self, computing, waiting):
         self.computing, self.waiting = collections.deque(computing), collections.deque(waiting)
-        self.running = 0  # of those that wait
+        self.is_one_waiting = False  # a program of --waiting runs
         self.lock = threading.Lock()
 
     def run_next(self, timeout):
         with self.lock:
-            waits = bool(self.waiting) and (self.running < WAITING or not self.computing)
+            waits = bool(self.waiting) and not (self.is_one_waiting and self.computing)
             program = (self.waiting if waits else self.computing).popleft()
-            self.running += waits
+            self.is_one_waiting |= waits
         try:
             return run(program, timeout)
         finally:
             with self.lock:
-                self.running -= waits
+                self.is_one_waiting &= not waits
 
 
 def worth_telling(output, failed):
@@ -87,16 +86,15 @@ def worth_telling(output, failed):
 
 def main():
     arguments = argparse.ArgumentParser()
-    arguments.add_argument("--jobs", type=int)
+    arguments.add_argument("--jobs", type=int, default=(os.cpu_count() or 1) + 1)
     arguments.add_argument("--timeout", type=float, default=1200)
     arguments.add_argument("--waiting", nargs="+", default=[])
     arguments.add_argument("programs", nargs="+")
     options = arguments.parse_args()
-    jobs = options.jobs or (os.cpu_count() or 1) + (2 if options.waiting else 1)
     programs = Programs(options.programs, options.waiting)
     count = len(options.programs) + len(options.waiting)
     total = [0, 0, 0]
-    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         for future in concurrent.futures.as_completed([pool.submit(programs.run_next, options.timeout) for _ in range(count)]):
             command, output, passed, failed, skipped, seconds = future.result()
             total = [total[0] + passed, total[1] + failed, total[2] + skipped]

@@ -77,7 +77,7 @@ WEB_FIRST  := types,modules:,viewer:,surfaces:,uploads:,answers:,history:
 WEB_SECOND := layout:,picture:,derive:,embed:,modes:,docs:,figures:
 
 # The longest programs of each list begin. WAITING_TESTS mostly wait for daemons, so tests/run.py
-# runs a few of them at a time, beside the programs that compute.
+# runs one of them at a time, beside the programs that compute.
 LONG_TESTS    = "tests/fault/alloc.py --short" "tests/web/run.py --build $(BUILD) --only $(WEB_SECOND)" \
                 "tests/api/run.py test_contract_problems" "tests/web/run.py --build $(BUILD) --only $(WEB_FIRST)" "$(FUZZ_SHORT)"
 WAITING_TESTS = "tests/package/run.py --build $(BUILD)" $(foreach part,2 3 4 1,$(call api_part,$(part))) "tests/fault/disk.py --step 7" tests/cluster/run.py \
