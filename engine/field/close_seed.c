@@ -88,7 +88,7 @@ static void search_round_vertex(const struct gd_field *field, const struct gd__p
         for (struct gd__face_seeds f = gd__field_seeds_in(field, face); f.at < f.end; f.at++) {
             const struct gd__seed *seed = &field->seeds[f.at->seed];
             struct gd__close_seed close = {.seed = f.at->seed, .at = *at};
-            if (seed->is_segment || !gd__polar_around(mesh, &seed->point, &close.to) ||
+            if (seed->is_segment || !gd__polar_around(mesh, &seed->point, at->radius, &close.to) ||
                 close.to.vertex != at->vertex)
                 continue;
             close.turn = turn_between(mesh, &close.at, &close.to);
@@ -120,7 +120,7 @@ bool gd__close_seed_find(const struct gd_field *field, uint32_t face, const doub
     struct gd_point point = {
         .kind = GD_POINT_FACE, .element = face, .weight = {weight[0], weight[1], weight[2]}};
     struct gd__polar at;
-    if (gd__polar_around(mesh, &point, &at)) search_round_vertex(field, &at, &best);
+    if (gd__polar_around(mesh, &point, 0, &at)) search_round_vertex(field, &at, &best);
     *out = best;
     return best.seed != GD_NONE;
 }

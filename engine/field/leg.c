@@ -179,9 +179,10 @@ static bool is_precise_through(const struct gd_field *field, uint32_t vertex, ui
     if (source < field->mesh->vertex_count || source == GD_NONE || gd__source_is_linear(source))
         return false;
     const struct gd__seed *seed = &field->seeds[gd__field_seed_of(field, source)];
-    if (!gd__polar_around(field->mesh, &point, &polar) || polar.vertex != vertex) return false;
+    if (!gd__polar_around(field->mesh, &point, 0, &polar) || polar.vertex != vertex) return false;
     return seed->point.kind == GD_POINT_VERTEX ||
-           (gd__polar_around(field->mesh, &seed->point, &polar) && polar.vertex == vertex);
+           (gd__polar_around(field->mesh, &seed->point, polar.radius, &polar) &&
+            polar.vertex == vertex);
 }
 
 /* Returns the amount by which a path through a wedge must be shorter than the known path. A known

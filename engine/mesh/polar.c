@@ -103,12 +103,12 @@ bool gd__polar_beside(const struct gd_mesh *mesh, const struct gd_point *point,
     return true;
 }
 
-bool gd__polar_around(const struct gd_mesh *mesh, const struct gd_point *point,
+bool gd__polar_around(const struct gd_mesh *mesh, const struct gd_point *point, double radius,
                       struct gd__polar *out)
 {
     struct gd__polar polar;
     if (!about_main_vertex(mesh, point, &polar)) return false;
-    if (polar.radius > 0.5 * least_reach(mesh, polar.vertex)) return false;
+    if (polar.radius + radius > least_reach(mesh, polar.vertex)) return false;
     *out = polar;
     return true;
 }

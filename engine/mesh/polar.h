@@ -30,12 +30,13 @@ bool gd__polar_about(const struct gd_mesh *mesh, const struct gd_point *point, u
 bool gd__polar_beside(const struct gd_mesh *mesh, const struct gd_point *point,
                       struct gd__polar *out);
 
-/* Like gd__polar_beside, for points whose straight line around the vertex is sought. The vertex
- * must be nearer than half of the distance to the opposite side of each of its faces. So a straight
- * line between two such points, around or through the vertex, is the shortest path: a path that
- * leaves the faces of the vertex is longer. In narrow faces, points much farther from the vertex
- * than those of gd__polar_beside satisfy this. */
-bool gd__polar_around(const struct gd_mesh *mesh, const struct gd_point *point,
+/* Like gd__polar_beside, for a point whose straight line to another point, around or through the
+ * vertex, is sought. `radius` is the distance of the other point from the vertex. The sum of both
+ * distances must be at most the distance of the vertex from the opposite side of each of its faces.
+ * So the straight line is the shortest path: a path that leaves the faces of the vertex is longer.
+ * In narrow faces, points much farther from the vertex than those of gd__polar_beside satisfy
+ * this. */
+bool gd__polar_around(const struct gd_mesh *mesh, const struct gd_point *point, double radius,
                       struct gd__polar *out);
 
 /* Returns the position of a point in the plane of a fan entry's face. The entry's side lies on the

@@ -11,7 +11,8 @@
  * numbers are IEEE doubles. The number of a vertex is its index in the input. The number of a face
  * is its position after triangulation; the triangles of a polygon are consecutive. "Exact" means:
  * on the polyhedron itself, up to rounding, with a relative error of distances of at most 1e-9
- * (1e-14 is usual).
+ * (1e-14 is usual). Exception: near faces more than 1e5 times as long as wide, the error of
+ * distances below 1e-6 of the faces' length is at most 1e-15 of this length.
  *
  * A mesh is immutable: any number of threads may read it. Reference counts are atomic. */
 #ifndef GD_MESH_H

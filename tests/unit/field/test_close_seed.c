@@ -113,10 +113,44 @@ static void along_an_edge_and_to_its_vertex(void **state)
     gd_mesh_release(mesh);
 }
 
+/* The faces around vertex 0 are some 1e5 times as long as wide. The side 2-3 is nearest to the
+ * vertex; its distance is about 1. The shortest path between the two points passes through the
+ * vertex. One point is farther from the vertex than half of the distance of the side, but the whole
+ * path is shorter than this distance. */
+static void through_a_vertex_of_needles(void **state)
+{
+    (void)state;
+    double positions[9][3] = {
+        {4e5, 0.99, -0.25}, {1.1e6, 1.83, -0.58}, {5e5, 1.96, 0.45},
+        {0, 1.89, -0.7},    {-2e5, 1.04, -0.98},  {-1e5, -0.05, 0.61},
+        {4e5, 0.07, 0.04},  {1e6, -0.26, 0.6},    {1.2e6, 0.8, -0.6},
+    };
+    uint32_t corners[24] = {0, 7, 8, 5, 6, 0, 3, 0, 2, 0, 4, 5, 3, 4, 0, 8, 1, 0, 1, 2, 0, 6, 7, 0};
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = 9, .corners = corners, .polygon_count = 8};
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    double expected = 0;
+    struct gd_point point[2];
+    for (int k = 0; k < 2; k++) {
+        const struct gd_vertex ends[2] = {{0}, {k ? 4 : 1}};
+        double part = k ? 2.2e-8 : 1.21e-6, *a = positions[0], *b = positions[ends[1].index];
+        check_ok(gd_point_on_edge(mesh, ends, part, &point[k], NULL), NULL);
+        expected += part * sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) +
+                                (b[2] - a[2]) * (b[2] - a[2]));
+    }
+    for (int k = 0; k < 2; k++) {
+        struct gd_field *field = test_field_from(mesh, point[k]);
+        check_close(test_distance(field, &point[!k]), expected, 1e-14);
+        gd_field_release(field);
+    }
+    gd_mesh_release(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(round_a_vertex),
                                        cmocka_unit_test(across_an_edge),
-                                       cmocka_unit_test(along_an_edge_and_to_its_vertex)};
+                                       cmocka_unit_test(along_an_edge_and_to_its_vertex),
+                                       cmocka_unit_test(through_a_vertex_of_needles)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

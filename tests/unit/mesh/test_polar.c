@@ -44,7 +44,7 @@ static void radius_and_angle_keep_their_digits(void **state)
             check_close(polar.radius, radius, 1e-14);
             assert_true(fabs(polar.angle - mesh->fan[i].angle - turn) < 1e-14);
             assert_true(gd__polar_beside(mesh, &point, &polar) && polar.vertex == v);
-            assert_true(gd__polar_around(mesh, &point, &polar) && polar.vertex == v);
+            assert_true(gd__polar_around(mesh, &point, radius, &polar) && polar.vertex == v);
         }
     }
     gd_mesh_release(mesh);
@@ -125,7 +125,10 @@ static void points_near_the_tip_of_a_needle_are_around_it(void **state)
         const struct gd_vertex ends[2] = {{v}, {!v}};
         check_ok(gd_point_on_edge(mesh, ends, 1e-3, &point, NULL), NULL);
         assert_false(gd__polar_beside(mesh, &point, &polar));
-        assert_int_equal(gd__polar_around(mesh, &point, &polar), v == 0);
+        assert_int_equal(gd__polar_around(mesh, &point, 0, &polar), v == 0);
+        /* the distance of vertex 0 from the opposite sides is 1 */
+        assert_int_equal(gd__polar_around(mesh, &point, 0.9989, &polar), v == 0);
+        assert_false(gd__polar_around(mesh, &point, 0.9991, &polar));
     }
     gd_mesh_release(mesh);
 }
