@@ -16,7 +16,7 @@ from harness import PATIENCE_SECONDS, SEARCHES, SQUARE, Daemon, TestCase, sample
 def slow_mesh():
     """Returns a mesh on which one field takes long enough to watch: a rough terrain without flat
     parts."""
-    return sample("terrain", cells=256, amplitude=1)
+    return sample("terrain", cells=400, amplitude=1)
 
 
 def all_of(count, call):
@@ -37,7 +37,7 @@ class Lanes(TestCase):
 
     def ask(self, source, options=""):
         """Queries a pair with distant points. No other query has the same target."""
-        return self.daemon.get(f"/v1/meshes/slow/distance?from=v:{source}&to=v:{66000 - source}{options}")
+        return self.daemon.get(f"/v1/meshes/slow/distance?from=v:{source}&to=v:{160000 - source}{options}")
 
     def ask_for_a_field(self, source):
         """Sends the slowest query: the one for which the daemon builds a field."""
