@@ -2,6 +2,7 @@
 expand beyond the limit. The daemon continues to answer valid requests in order on the same
 connections."""
 import concurrent.futures
+import ctypes
 import gzip
 import hashlib
 import io
@@ -21,6 +22,10 @@ POST = b"POST /v1/meshes/square/distance HTTP/1.1\r\n" + HOST
 CHUNKED = b"Transfer-Encoding: chunked\r\n"
 LAST = b"GET /livez HTTP/1.1\r\n" + HOST + b"Connection: close\r\n\r\n"
 HIDDEN = b"GET /v1/meshes/smuggled HTTP/1.1\r\nHost: localhost\r\n\r\n"
+LIBRARY = ctypes.CDLL("libmicrohttpd.so.12")
+LIBRARY.MHD_get_version.restype = ctypes.c_char_p
+# version 1.0 of the library refuses some requests before the daemon sees them
+LIBRARY_REFUSES = LIBRARY.MHD_get_version() >= b"1"
 
 
 def chunks(*pieces):
@@ -276,6 +281,7 @@ class Smuggling(TestCase):
             received = self.daemon.raw(text)
             self.assertEqual(self.answers(received), [b"400"])
             self.assertIn(word, received)
+            self.assertEqual(b"application/problem+json" in received, not LIBRARY_REFUSES)
 
     def test_unusual_valid_requests_are_answered(self):
         """Unusual but valid HTTP is answered."""
@@ -287,9 +293,8 @@ class Smuggling(TestCase):
         head = PUT.replace(b"attack", b"right") + CHUNKED + b"Connection: close\r\n\r\n"
         for body in (b"30\r\n%b\r\n0\r\nTrailer: x\r\n\r\n", b"0030\r\n%b\r\n0\r\n\r\n", b"30\r\n%b\r\n000\r\n\r\n"):
             self.assertIn(self.answers(self.daemon.raw(head + body % SQUARE)), ([b"201"], [b"200"]))
-        # libmicrohttpd 1.0 refuses extensions of chunks
-        extended = b"30;ext=\"a b\"\r\n%b\r\n0\r\n\r\n"
-        self.assertIn(self.answers(self.daemon.raw(head + extended % SQUARE)), ([b"200"], [b"400"]))
+        extended = b"30;ext=\"a b\"\r\n%b\r\n0\r\nTrailer: x\r\n\r\n"
+        self.assertEqual(self.answers(self.daemon.raw(head + extended % SQUARE)), [b"400" if LIBRARY_REFUSES else b"200"])
         self.assertEqual(self.daemon.request("DELETE", "/v1/meshes/right").status, 204)
 
     def test_malformed_requests_are_counted(self):
