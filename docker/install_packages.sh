@@ -165,7 +165,8 @@ if [ "$(id -u)" != 0 ]; then
 fi
 root+=(env "APT_CONFIG=$APT_CONFIG" DEBIAN_FRONTEND=noninteractive)
 
-echo "apt installs what is missing: ${required[*]}${to_fetch:+; below build: $to_fetch}"
+[ ${#required[@]} = 0 ] || echo "apt installs what is missing: ${required[*]}"
+[ -z "$to_fetch" ] || echo "The script unpacks below build, without installing:" $to_fetch
 "${root[@]}" apt-get -qq update
 find_missing "${wanted[@]}"
 available=()
