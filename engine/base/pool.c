@@ -7,7 +7,7 @@
 
 #define CHUNK_FIRST ((size_t)64 << 10)
 #define CHUNK_LAST  ((size_t)64 << 20)
-#define BUDGET_PART 8
+#define BUDGET_PART 4
 
 struct gd__pool_chunk {
     struct gd__pool_chunk *next;

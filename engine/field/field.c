@@ -99,6 +99,18 @@ enum gd_status gd__field_take(void *user, struct gd__wavefront *front)
     return GD_OK;
 }
 
+void gd__field_view(const struct gd__wavefront *front, double reach, struct gd_field *view)
+{
+    const struct gd_workspace *work = front->work;
+    view->mesh = front->mesh;
+    view->reach = reach;
+    view->distance = work->distance;
+    view->predecessor = work->predecessor;
+    view->newest = work->newest;
+    view->wedges = work->wedges.base;
+    view->wedge_bytes = work->wedges.used;
+}
+
 enum gd_status gd__field_propagate(struct gd_field *field,
                                    const struct gd__propagation *propagation,
                                    const struct gd_control *control)
@@ -118,8 +130,37 @@ struct build {
     const struct gd_field_request *request;
     const struct gd_control *control;
     struct gd_detail *detail;
-    bool without_wedges;
+    double *distances; /* NULL for gd_field_build */
+    bool has_wedges;   /* false if only distances of vertices are needed */
 };
+
+/* A sink that evaluates the request's points. It leaves the arrays to the workspace, so that the
+ * next propagation uses the same memory. If distances must be mended, the field takes the
+ * arrays. */
+struct points_sink {
+    const struct build *build;
+    struct gd_field *field;
+};
+
+static enum gd_status evaluate_points(void *user, struct gd__wavefront *front)
+{
+    const struct points_sink *sink = user;
+    const struct gd_field_request *request = sink->build->request;
+    struct gd_field *field = sink->field, view = {.seeds = field->seeds,
+                                                  .seed_count = field->seed_count,
+                                                  .has_segments = field->has_segments,
+                                                  .face_seeds = field->face_seeds,
+                                                  .face_seed_count = field->face_seed_count};
+    enum gd_status status = GD_OK;
+    gd__field_view(front, front->bound, &view);
+    bool is_lawful = obeys_law(&view);
+    if (!is_lawful) status = gd__field_take(field, front);
+    if (!is_lawful && !status) status = mend_field(field);
+    return status ? status
+                  : gd_field_distances(is_lawful ? &view : field, request->points,
+                                       request->point_count, sink->build->control,
+                                       sink->build->distances);
+}
 
 static enum gd_status build_once(const struct build *build, struct gd__variant variant,
                                  struct gd_field **out)
@@ -136,9 +177,16 @@ static enum gd_status build_once(const struct build *build, struct gd__variant v
             .seed_count = field->seed_count,
             .radius = request->radius > 0 ? request->radius / field->mesh->unit : GD__FAR,
             .target = request->target,
-            .without_wedges = build->without_wedges,
+            .points = build->distances ? request->points : NULL,
+            .point_count = build->distances ? request->point_count : 0,
+            .without_wedges = !build->has_wedges,
             .variant = variant};
-        status = gd__field_propagate(field, &propagation, build->control);
+        struct points_sink evaluation = {build, field};
+        status = build->distances && build->has_wedges
+                     ? gd__wavefront_run(field->mesh, &propagation,
+                                         &(struct gd__sink){evaluate_points, &evaluation},
+                                         build->control)
+                     : gd__field_propagate(field, &propagation, build->control);
         if (status) gd_fail_status(build->detail, status);
     }
     if (status)
@@ -166,8 +214,15 @@ enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_
                               const struct gd_control *control, struct gd_field **out,
                               struct gd_detail *detail)
 {
-    const struct build build = {mesh, request, control, detail, false};
+    const struct build build = {mesh, request, control, detail, NULL, true};
     return build_somehow(&build, out);
+}
+
+static bool all_are_vertices(const struct gd_field_request *request)
+{
+    uint32_t i = 0;
+    while (i < request->point_count && request->points[i].kind == GD_POINT_VERTEX) i++;
+    return i == request->point_count;
 }
 
 enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
@@ -175,13 +230,14 @@ enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
                                        const struct gd_control *control, double *out,
                                        struct gd_detail *detail)
 {
-    const struct build build = {mesh, request, control, detail, true};
+    const struct build build = {mesh, request, control, detail, out, !all_are_vertices(request)};
     struct gd_field *field = NULL;
     enum gd_status status = build_somehow(&build, &field);
-    if (status) return status;
-    gd_field_vertex_distances(field, out);
+    if (!status && !request->points) gd_field_vertex_distances(field, out);
+    if (!status && request->points && !build.has_wedges)
+        status = gd_field_distances(field, request->points, request->point_count, control, out);
     gd_field_release(field);
-    return GD_OK;
+    return status;
 }
 
 /* --- life ------------------------------------------------------------------------------------- */

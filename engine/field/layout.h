@@ -80,6 +80,10 @@ static inline const struct gd__chunk *gd__field_chunk(const struct gd_field *fie
 /* field.c: a sink that moves the wavefront's wedges, distances and predecessors into the field. */
 enum gd_status gd__field_take(void *field, struct gd__wavefront *front);
 
+/* field.c: lets a field without arrays read those of the wavefront, which the workspace still owns.
+ * Does not set the seeds. */
+void gd__field_view(const struct gd__wavefront *front, double reach, struct gd_field *view);
+
 /* field.c: runs the propagation and checks the result. The field must have its seeds. Sets build_ns
  * of the statistics. Errors: those of gd_field_build. */
 GD_MUST_USE enum gd_status gd__field_propagate(struct gd_field *field,

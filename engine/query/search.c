@@ -27,22 +27,6 @@ struct search {
     double distance; /* distance found, in the normalised unit */
 };
 
-/* Creates a field that borrows the wavefront's arrays. The workspace still owns the arrays. */
-static enum gd_status view(const struct search *search, const struct gd_workspace *work,
-                           struct gd_field *field)
-{
-    *field = (struct gd_field){.mesh = search->mesh,
-                               .reach = GD__FAR,
-                               .distance = work->distance,
-                               .predecessor = work->predecessor,
-                               .newest = work->newest,
-                               .wedges = work->wedges.base,
-                               .wedge_bytes = work->wedges.used,
-                               .seeds = (struct gd__seed *)&search->seed,
-                               .seed_count = 1};
-    return gd__field_index_seeds(field);
-}
-
 static bool is_found(const struct search *search)
 {
     return search->distance <= search->bound * (1 + GD_TOL_CHECK);
@@ -52,8 +36,9 @@ static bool is_found(const struct search *search)
 static enum gd_status search_answer(void *user, struct gd__wavefront *front)
 {
     struct search *search = user;
-    struct gd_field field;
-    enum gd_status status = view(search, front->work, &field);
+    struct gd_field field = {.seeds = &search->seed, .seed_count = 1};
+    gd__field_view(front, GD__FAR, &field);
+    enum gd_status status = gd__field_index_seeds(&field);
     if (status) return status;
     search->distance = gd__field_leg(&field, &search->target).distance;
     if (search->output && is_found(search))
@@ -79,7 +64,8 @@ static enum gd_status search_run(struct search *search, struct gd__guide *guide,
                                           .radius = search->bound,
                                           .guide = guide,
                                           .target = &search->target,
-                                          .without_path = !search->output};
+                                          .points = search->output ? NULL : &search->target,
+                                          .point_count = search->output ? 0 : 1};
     struct gd__sink sink = {.take = search_answer, .user = search};
     return gd__wavefront_run(search->mesh, &propagation, &sink, control);
 }

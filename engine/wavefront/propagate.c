@@ -210,13 +210,6 @@ static void list_forget(struct gd__wavefront *front, struct gd__list *list)
     if (list->visits < UINT16_MAX) list->visits++;
 }
 
-static inline bool is_stored(const struct gd__wavefront *front, uint32_t side, uint32_t visits)
-{
-    bool stored = front->stores_all || visits > STORE_AFTER;
-    for (int i = 0; i < 6 && !stored; i++) stored = front->target_side[i] == side;
-    return stored;
-}
-
 void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
 {
     struct gd__list *list = gd__wavefront_list(front, side);
@@ -228,7 +221,8 @@ void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
     struct gd__receiver at = gd__wavefront_receiver(front, side);
     front->counts.sides_propagated++;
     front->status = prune_windows(front, &at, list, &windows, &count);
-    if (!front->status && count && is_stored(front, side, list->visits))
+    bool stores = front->stores_all || list->stores || list->visits > STORE_AFTER;
+    if (!front->status && count && stores)
         front->status = store_chunk(front, side, &windows, count);
     if (front->bound < GD__FAR && !front->guide)
         count = front->kernel->within(&windows, count, front->bound);

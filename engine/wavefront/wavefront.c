@@ -191,18 +191,24 @@ static void set_target(struct gd__wavefront *front, const struct gd_point *targe
     }
 }
 
-/* Stores the sides of the target's faces. The target's distance is computed from their wedges. If
- * the target is a vertex, its distance is known. */
-static void set_target_sides(struct gd__wavefront *front, const struct gd_point *target)
+static void store_face(struct gd__wavefront *front, uint32_t face)
 {
-    const struct gd_mesh *mesh = front->mesh;
-    uint32_t face[2] = {GD_NONE, GD_NONE};
-    if (target && target->kind == GD_POINT_FACE) face[0] = target->element;
-    if (target && target->kind == GD_POINT_EDGE)
-        for (int k = 0; k < 2; k++) face[k] = mesh->side_face[2 * target->element + k];
-    for (int i = 0; i < 6; i++)
-        front->target_side[i] =
-            face[i / 3] == GD_NONE ? GD_NONE : mesh->face_side[face[i / 3]][i % 3];
+    for (int k = 0; k < 3 && face != GD_NONE; k++) {
+        uint32_t side = front->mesh->face_side[face][k];
+        struct gd__list *list = &front->lists[side];
+        gd__workspace_touch(front->work, side, !list->touched);
+        list->touched = true;
+        list->stores = true;
+    }
+}
+
+/* Marks the sides of the point's faces: the point's distance is computed from their wedges. The
+ * distance of a vertex is known without wedges. */
+static void store_point(struct gd__wavefront *front, const struct gd_point *point)
+{
+    if (point->kind == GD_POINT_FACE) store_face(front, point->element);
+    for (int k = 0; k < 2 && point->kind == GD_POINT_EDGE; k++)
+        store_face(front, front->mesh->side_face[2 * point->element + k]);
 }
 
 /* Returns the width of a bucket. It is computed for the smallest component that has a seed. With
@@ -260,9 +266,10 @@ static enum gd_status wavefront_open(struct gd__wavefront *front,
     front->bound = propagation->radius;
     front->takes_all =
         !front->guide && !front->paged && !propagation->target && propagation->radius >= GD__FAR;
-    front->stores_all = !front->paged && !propagation->without_path;
+    front->stores_all = !front->paged && !propagation->points;
     set_target(front, propagation->target);
-    set_target_sides(front, propagation->target);
+    for (uint32_t i = 0; i < propagation->point_count && !front->paged && !status; i++)
+        store_point(front, &propagation->points[i]);
     return status;
 }
 

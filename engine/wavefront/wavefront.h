@@ -56,11 +56,12 @@ struct gd__propagation {
     /* Bounds for one target. With a guide, only the target's distance and path are final. NULL
        means no guide. */
     struct gd__guide *guide;
-    /* With a guide: only the target's distance is needed, not its path. Wedges are stored for the
-       faces of `target` and for gd__prune_by_stored only. */
-    bool without_path;
-    /* Computes distances only, in little memory: the sink reads front->distance. Wedges are stored
-     * for gd__prune_by_stored only. Requires no guide. */
+    /* If not NULL: only the distances of these points are needed, no paths. Wedges are stored for
+       the points' faces and for gd__prune_by_stored only. */
+    const struct gd_point *points;
+    uint32_t point_count;
+    /* Computes distances of vertices only, in little memory: the sink reads front->distance. Wedges
+     * are stored for gd__prune_by_stored only. Requires no guide. */
     bool without_wedges;
     /* Limit on windows; 0 means the default limit of the mesh, far above the windows of any real
        mesh. */
@@ -107,9 +108,7 @@ struct gd__wavefront {
     bool takes_all;            /* true if lists accept windows at any distance */
     uint32_t target_corner[4]; /* vertices of the target's faces, padded by GD_NONE */
     double target_leg[4];      /* distances of these vertices from the target within the face */
-    bool stores_all;           /* true if all wedges are stored */
-    /* otherwise: the sides whose wedges the target's distance needs, padded by GD_NONE */
-    uint32_t target_side[6];
+    bool stores_all;           /* true if the wedges of all sides are stored */
 
     const struct gd_control *monitor;
     enum gd_status status;  /* the first failure; not overwritten by later ones */

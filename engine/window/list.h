@@ -13,7 +13,8 @@ struct gd__list {
     /* number of times that windows of the side were propagated, saturating */
     uint16_t visits;
     uint8_t size_class;
-    bool touched; /* true if the workspace has recorded that this list must be cleaned */
+    bool touched : 1; /* true if the workspace has recorded that this list must be cleaned */
+    bool stores : 1;  /* true if the side's wedges are needed after the propagation */
 };
 
 static inline uint32_t gd__list_capacity(const struct gd__list *list)

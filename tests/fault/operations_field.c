@@ -235,6 +235,15 @@ static enum gd_status build_distances(void *out)
         mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = SEEDS}, NULL, out, NULL);
 }
 
+static enum gd_status points_only(void *out)
+{
+    return gd_field_distances_only(
+        mesh,
+        &(struct gd_field_request){
+            .seeds = seeds, .seed_count = SEEDS, .points = places, .point_count = PLACES},
+        NULL, out, NULL);
+}
+
 static enum gd_status within(void *out)
 {
     return gd_field_within(field, 0.3, out);
@@ -307,6 +316,7 @@ static const struct operation items[] = {
     {"field in a workspace", &a_field, build_in_workspace, GD_OK, trim},
     {"field from spare memory", &a_field, build_from_spares, GD_OK, NULL},
     {"distances without a field", &at_vertices, build_distances, GD_OK, NULL},
+    {"distances of points without a field", &at_places, points_only, GD_OK, NULL},
     {"field within a radius", &a_field, within, GD_OK, NULL},
     {"field from an image", &a_field, open_image, GD_OK, NULL},
     {"distances at points", &at_places, many_distances, GD_OK, NULL},

@@ -39,6 +39,10 @@ struct gd_field_request {
     /* the propagation stops as soon as this point's distance is final (Property 5 of the paper);
        may be NULL */
     const struct gd_point *target;
+    /* gd_field_distances_only computes the distances of these points; NULL means of all vertices.
+       Other functions ignore the points. */
+    const struct gd_point *points;
+    uint32_t point_count;
 };
 
 /* Builds the exact distance field of the seeds: propagates windows, and stores the final windows as
@@ -57,9 +61,12 @@ GD_MUST_USE enum gd_status gd_field_build(const struct gd_mesh *mesh,
                                           struct gd_detail *detail);
 
 /* Computes the distance at every vertex index, as gd_field_build and gd_field_vertex_distances do,
- * but stores no wedges. `out` has index_count entries and is untouched on failure. Errors: those of
- * gd_field_build. Cost: about the time of gd_field_build. Memory: 8 bytes a vertex, plus records
- * near the front of the propagation; together 10 bytes a face for a million faces. Thread-safe. */
+ * but keeps no field. `out` then has index_count entries. With `request->points`, computes the
+ * distances of these points, as gd_field_distances does; `out` then has point_count entries. `out`
+ * is untouched on failure. Errors: those of gd_field_build. Cost: 0.85 to 0.9 times the time of
+ * gd_field_build. Memory for vertices: 8 bytes a vertex, plus records near the front of the
+ * propagation; together 10 bytes a face for a million faces. Memory for other points: about 90
+ * bytes a face, and the wedges of the points' faces. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
                                                    const struct gd_field_request *request,
                                                    const struct gd_control *control, double *out,

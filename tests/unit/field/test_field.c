@@ -524,6 +524,40 @@ static void distances_only(void **state)
     gd_mesh_release(mesh);
 }
 
+/* The distances of vertices and points of edges and faces equal those of a field to the last bit,
+ * with one seed or several, and with a radius. */
+static void distances_of_points_equal_those_of_a_field(void **state)
+{
+    (void)state;
+    enum { POINTS = 300, SEEDS = 3 };
+    struct gd_polygons polygons;
+    check_ok(sample_terrain(48, 0.3, 7, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct rng rng = {31};
+    struct gd_point points[POINTS];
+    struct gd_seed seeds[SEEDS];
+    double kept[POINTS], only[POINTS];
+    for (int i = 0; i < POINTS; i++)
+        points[i] = test_point(mesh, test_random_place(&polygons, &rng));
+    for (int i = 0; i < SEEDS; i++)
+        seeds[i] = (struct gd_seed){.point = points[i], .offset = 0.01 * i};
+    for (int i = 0; i < 4; i++) {
+        const struct gd_field_request request = {.seeds = seeds,
+                                                 .seed_count = i < 2 ? 1 : SEEDS,
+                                                 .radius = i % 2 ? 0.3 : 0,
+                                                 .points = points,
+                                                 .point_count = POINTS};
+        struct gd_field *field;
+        check_ok(gd_field_build(mesh, &request, NULL, &field, NULL), NULL);
+        check_ok(gd_field_distances(field, points, POINTS, NULL, kept), NULL);
+        check_ok(gd_field_distances_only(mesh, &request, NULL, only, NULL), NULL);
+        assert_memory_equal(kept, only, sizeof kept);
+        gd_field_release(field);
+    }
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
 static void distances_only_equal_those_of_a_field(void **state)
 {
     (void)state;
@@ -560,6 +594,7 @@ int main(void)
         cmocka_unit_test(several_seeds),
         cmocka_unit_test(distances_only),
         cmocka_unit_test(distances_only_equal_those_of_a_field),
+        cmocka_unit_test(distances_of_points_equal_those_of_a_field),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
