@@ -15,8 +15,9 @@
 #define BYTES_A_CALL ((size_t)1 << 20) /* additional bytes, independent of the mesh's size */
 /* bytes for each edge while a field is built: the finished field has 50 to 700 on most meshes, and
    its workspace 100 */
-#define BYTES_AN_EDGE     1024
-#define SET_BYTES_AN_EDGE 224 /* the same as for a search (query.c) */
+#define BYTES_AN_EDGE        1024
+#define SET_BYTES_AN_EDGE    224 /* the same as for a search (query.c) */
+#define RECORD_BYTES_AN_EDGE 96  /* the records of a propagation, without wedges */
 
 /* --- locating the set ------------------------------------------------------------------------- */
 
@@ -130,6 +131,11 @@ bool server_field_query_of_id(struct server_query *query, const char *id)
 size_t server_field_build_grant(const struct gd_mesh *mesh)
 {
     return BYTES_A_CALL + (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE;
+}
+
+size_t server_distances_only_grant(const struct gd_mesh *mesh)
+{
+    return BYTES_A_CALL + (size_t)gd_mesh_summary(mesh)->edges * RECORD_BYTES_AN_EDGE;
 }
 
 /* Builds the field and counts its propagated windows. */

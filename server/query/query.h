@@ -304,6 +304,9 @@ bool server_query_locate_set(struct server_query *query, struct server_monitor *
 /* Returns the bytes that building a field needs on most meshes. */
 size_t server_field_build_grant(const struct gd_mesh *mesh);
 
+/* Returns the bytes that gd_field_distances_only needs on most meshes. */
+size_t server_distances_only_grant(const struct gd_mesh *mesh);
+
 /* Builds the field of query->field.request, and publishes it as the result of query->field.build.
  * The pending build ends in any case. `*out` is pinned. Errors: those of gd_field_build; GD_BUDGET
  * (memory is short, or the time limit of `part` was reached). */

@@ -4,8 +4,8 @@
  * DESIGN. All idle workers locate the points of a request. Pairs are sorted by the end (from or to)
  * with fewer different points. The pairs with the same point at this end are a group. If the point
  * has a cached field, its group is evaluated in pieces, in parallel. Small groups without a cached
- * field are searched pair by pair. For a large group without a cached field, a field is built and
- * dropped afterwards. Groups without a cached field run in parallel, too. */
+ * field are searched pair by pair. For a large group without a cached field, a propagation computes
+ * the distances and keeps no field. Groups without a cached field run in parallel, too. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -441,20 +441,16 @@ static bool group_find(struct pairs_query *own, uint32_t group)
 
 /* --- pairs: the other groups ------------------------------------------------------------------ */
 
-/* Answers a group from a field that is dropped afterwards. */
-static enum gd_status group_from_field(struct pairs_query *own, uint32_t group,
-                                       const struct gd_control *control)
+/* Answers a group by a propagation that keeps no field. */
+static enum gd_status group_propagate(struct pairs_query *own, uint32_t group,
+                                      const struct gd_control *control)
 {
     uint32_t begin = own->group[group], count = own->group[group + 1] - begin;
     const struct gd_seed seed = {.point = *group_point(own, group)};
-    const struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
-    struct gd_field *field;
-    enum gd_status status =
-        gd_field_build(own->query.surface->mesh, &request, control, &field, NULL);
-    if (status) return status;
-    status = gd_field_distances(field, own->columns + begin, count, control, own->found + begin);
-    gd_field_release(field);
-    return status;
+    const struct gd_field_request request = {
+        .seeds = &seed, .seed_count = 1, .points = own->columns + begin, .point_count = count};
+    return gd_field_distances_only(own->query.surface->mesh, &request, control, own->found + begin,
+                                   NULL);
 }
 
 static enum gd_status group_search(struct pairs_query *own, uint32_t group,
@@ -484,10 +480,11 @@ static void group_run(void *user, uint32_t number)
     }
     struct server_budgeted_call call = {.workspaces = own->query.exchange->host->workspaces,
                                         .control = server_exchange_control(&monitor),
-                                        .grant = server_field_build_grant(own->query.surface->mesh),
+                                        .grant =
+                                            server_distances_only_grant(own->query.surface->mesh),
                                         .aside = (size_t)count * COLUMN};
     while (server_budgeted_call_next(&call))
-        call.status = group_from_field(own, group, &call.control);
+        call.status = group_propagate(own, group, &call.control);
     note_status(own, call.status);
 }
 

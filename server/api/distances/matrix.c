@@ -1,10 +1,10 @@
 /* Matrix: workers compute the distances from each source to each target.
  *
  * DESIGN. The metric is symmetric: sources or targets, whichever are fewer, become the rows. Each
- * different point is one row or column. A row is a field of its point, evaluated at all columns.
- * The field is cached, or built and dropped. If all columns are vertices, the field keeps no
- * wedges. Rows of few columns are searched pair by pair. Distances between components are infinite
- * and need no computation.
+ * different point is one row or column. A row is evaluated in the cached field of its point. If
+ * there is none, a propagation computes the columns' distances and keeps no field. Rows of few
+ * columns are searched pair by pair. Distances between components are infinite and need no
+ * computation.
  *
  * Each row is a task of an executor (executor.h) with its own workspace and its own grant from the
  * memory budget. The first failure ends all rows. A row that uses a field then ends within about a
@@ -26,9 +26,6 @@
 #define FEW_COLUMNS (SERVER_CACHE_SEARCHES / 2)
 /* bytes that an evaluation needs for each column, see gd_field_distances */
 #define BYTES_A_COLUMN 16
-/* for a field without wedges, see gd_field_distances_only */
-#define BYTES_AN_EDGE 96
-#define BYTES_A_ROW   ((size_t)1 << 20) /* additional bytes, independent of the mesh's size */
 
 /* The different points of a list. */
 struct point_index {
@@ -48,8 +45,6 @@ struct matrix_query {
 
     bool is_turned; /* true if the rows are the targets */
     struct point_index rows, columns;
-    /* the vertex index of each column; NULL if not all columns are vertices */
-    uint32_t *vertices;
     double *row_distances; /* rows x columns */
     atomic_size_t grant;   /* bytes that were sufficient for the rows computed so far */
     atomic_int status;     /* the first failure */
@@ -111,20 +106,6 @@ static bool points_index(const struct proto_located_points *list, struct point_i
     return out->count;
 }
 
-/* Returns the columns' vertex indices; NULL if one of them is not a vertex, or if out of memory. */
-static uint32_t *columns_as_vertices(const struct gd_mesh *mesh, const struct point_index *columns)
-{
-    uint32_t *vertices = malloc(columns->count * sizeof *vertices), i = 0;
-    for (; vertices && i < columns->count && columns->points[i].kind == GD_POINT_VERTEX; i++) {
-        struct gd_point_description description;
-        gd_point_describe(mesh, &columns->points[i], &description);
-        vertices[i] = description.vertex.index;
-    }
-    if (i == columns->count) return vertices;
-    free(vertices);
-    return NULL;
-}
-
 /* --- a row from a field ----------------------------------------------------------------------- */
 
 /* Cancels a row if another row has failed. */
@@ -182,55 +163,31 @@ static struct gd_field_request row_request(const struct matrix_row *row, struct 
         .seeds = seed, .seed_count = 1, .radius = isfinite(limit) ? nextafter(limit, INFINITY) : 0};
 }
 
-/* Computes a row from a field, then drops the field. The next row begins with this row's grant. */
-static enum gd_status row_from_field(const struct matrix_row *row, const struct gd_control *control)
+/* Computes a row without keeping a field. The next row begins with this row's grant. */
+static enum gd_status row_from_propagation(const struct matrix_row *row,
+                                           const struct gd_control *control)
 {
+    const struct point_index *columns = &row->matrix->columns;
     struct gd_seed seed;
-    const struct gd_field_request request = row_request(row, &seed);
-    struct gd_field *field;
-    enum gd_status status =
-        gd_field_build(row->matrix->query.surface->mesh, &request, control, &field, NULL);
+    struct gd_field_request request = row_request(row, &seed);
+    request.points = columns->points;
+    request.point_count = columns->count;
+    enum gd_status status = gd_field_distances_only(row->matrix->query.surface->mesh, &request,
+                                                    control, row->distances, NULL);
     if (status) return status;
     atomic_store(&row->matrix->grant, control->budget_bytes);
-    status = row_evaluate(row, field, control);
-    gd_field_release(field);
-    return status;
-}
-
-/* Computes a row without storing wedges, which take most of a field's memory. */
-static enum gd_status row_from_vertices(const struct matrix_row *row,
-                                        const struct gd_control *control)
-{
-    const struct gd_mesh *mesh = row->matrix->query.surface->mesh;
-    struct gd_seed seed;
-    const struct gd_field_request request = row_request(row, &seed);
-    double *distances = malloc(gd_mesh_summary(mesh)->index_count * sizeof *distances);
-    enum gd_status status = distances
-                                ? gd_field_distances_only(mesh, &request, control, distances, NULL)
-                                : GD_NO_MEMORY;
-    if (!status) {
-        atomic_store(&row->matrix->grant, control->budget_bytes);
-        for (uint32_t i = 0; i < row->matrix->columns.count; i++)
-            row->distances[i] = distances[row->matrix->vertices[i]];
-        row_limit(row);
-    }
-    free(distances);
-    return status;
+    row_limit(row);
+    return GD_OK;
 }
 
 static enum gd_status row_propagate(struct matrix_row *row)
 {
     struct matrix_query *matrix = row->matrix;
-    size_t indices = gd_mesh_summary(matrix->query.surface->mesh)->index_count;
     struct server_budgeted_call call = {.workspaces = row->monitor.exchange->host->workspaces,
                                         .control = row_control(row),
                                         .grant = atomic_load(&matrix->grant),
-                                        .aside = matrix->vertices ? indices * sizeof(double)
-                                                                  : (size_t)matrix->columns.count *
-                                                                        BYTES_A_COLUMN};
-    while (server_budgeted_call_next(&call))
-        call.status = matrix->vertices ? row_from_vertices(row, &call.control)
-                                       : row_from_field(row, &call.control);
+                                        .aside = (size_t)matrix->columns.count * BYTES_A_COLUMN};
+    while (server_budgeted_call_next(&call)) call.status = row_from_propagation(row, &call.control);
     return call.status;
 }
 
@@ -324,24 +281,19 @@ static void matrix_spread(struct matrix_query *matrix)
 
 static enum gd_status matrix_work(struct matrix_query *matrix)
 {
-    const struct gd_mesh *mesh = matrix->query.surface->mesh;
     struct point_index sources = {0}, targets = {0};
     bool ok =
         points_index(&matrix->query.points, &sources) && points_index(&matrix->targets, &targets);
     matrix->is_turned = targets.count < sources.count;
     matrix->rows = matrix->is_turned ? targets : sources;
     matrix->columns = matrix->is_turned ? sources : targets;
-    matrix->vertices = ok ? columns_as_vertices(mesh, &matrix->columns) : NULL;
-    matrix->grant = matrix->vertices
-                        ? BYTES_A_ROW + (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE
-                        : server_field_build_grant(mesh);
+    matrix->grant = server_distances_only_grant(matrix->query.surface->mesh);
     matrix->row_distances =
         malloc((size_t)matrix->rows.count * matrix->columns.count * sizeof *matrix->row_distances);
     enum gd_status status = ok && matrix->row_distances ? rows_run(matrix) : GD_NO_MEMORY;
     if (!status) matrix_spread(matrix);
     free(sources.points);
     free(targets.points);
-    free(matrix->vertices);
     free(matrix->row_distances);
     return status;
 }
