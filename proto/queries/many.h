@@ -13,6 +13,7 @@ struct json_t; /* declared by jansson */
 
 /* limit on the items of a batch, and on the vertices in an item's request */
 #define PROTO_MANY_ITEMS 20000
+#define PROTO_MANY_ID    25 /* bytes of a batch's id, with the NUL */
 
 enum proto_many_query { PROTO_MANY_ALL_PAIRS, PROTO_MANY_FIELDS };
 
@@ -63,8 +64,9 @@ bool proto_many_parse_wait(const struct proto_parameters *parameters, uint64_t *
 
 /* Written by proto_batch_encode (generated/answers.h). */
 struct proto_many_state {
-    const char *id;
-    int64_t items, done, failed, created;
+    char id[PROTO_MANY_ID];
+    int64_t items, created; /* `created` in seconds since 1970 */
+    int64_t done, failed;   /* items with an answer; among them, items whose answer is a problem */
     bool is_cancelled;
 };
 

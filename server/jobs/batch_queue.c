@@ -79,12 +79,12 @@ enum server_outcome server_batch_queue_count(struct server_store_sql *sql, const
 static bool on_batch(void *user, const struct server_sql_value *row)
 {
     struct server_batch_list *list = user;
-    struct server_batch *batch = &list->batches[list->count++];
-    *batch = (struct server_batch){.items = row[1].integer,
-                                   .created = row[2].integer,
-                                   .is_cancelled = row[3].integer != 0,
-                                   .done = row[4].integer,
-                                   .failed = row[5].integer};
+    struct proto_many_state *batch = &list->batches[list->count++];
+    *batch = (struct proto_many_state){.items = row[1].integer,
+                                       .created = row[2].integer,
+                                       .is_cancelled = row[3].integer != 0,
+                                       .done = row[4].integer,
+                                       .failed = row[5].integer};
     column_copy(batch->id, sizeof batch->id, &row[0]);
     return list->count < list->most;
 }
@@ -96,7 +96,7 @@ static bool on_batch(void *user, const struct server_sql_value *row)
     " (SELECT count(*) FROM items WHERE batch = id AND status >= 400) FROM batches "
 
 enum server_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
-                                            const char *id, struct server_batch *out)
+                                            const char *id, struct proto_many_state *out)
 {
     struct server_batch_list list = {.batches = out, .most = 1};
     enum server_outcome outcome =

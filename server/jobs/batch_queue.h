@@ -18,11 +18,11 @@
 #ifndef SERVER_JOBS_BATCH_QUEUE_H
 #define SERVER_JOBS_BATCH_QUEUE_H
 
+#include "proto/queries/many.h"
 #include "server/exchange/etag.h"
 #include "server/store/kind.h"
 #include "server/store/sql.h"
 
-#define SERVER_BATCH_ID      25    /* bytes, with the NUL */
 #define SERVER_BATCH_LEASE   15000 /* ms */
 #define SERVER_BATCH_TRIES   5
 #define SERVER_BATCH_ANSWERS 16 /* number of answers read at once; answers may be large */
@@ -31,16 +31,9 @@
  * store/postgres/schema.c). New steps are appended; old steps never change. */
 extern const char *const server_batch_queue_tables[];
 
-struct server_batch {
-    char id[SERVER_BATCH_ID];
-    int64_t items, created; /* `created` in seconds since 1970 */
-    bool is_cancelled;
-    int64_t done, failed; /* items with an answer; among them, items whose answer is a problem */
-};
-
 /* A new batch; all borrowed. */
 struct server_batch_order {
-    const struct server_batch *batch; /* id, items and time */
+    const struct proto_many_state *batch; /* id, items and time */
     const char *tenant;
     const void *document; /* as the client sent it */
     size_t size;
@@ -57,10 +50,10 @@ enum server_outcome server_batch_queue_count(struct server_store_sql *sql, const
 
 /* Finds the tenant's batch. Returns ABSENT if there is none. */
 enum server_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
-                                            const char *id, struct server_batch *out);
+                                            const char *id, struct proto_many_state *out);
 
 struct server_batch_list {
-    struct server_batch *batches; /* room for `most` */
+    struct proto_many_state *batches; /* room for `most` */
     uint32_t most, count;
 };
 
@@ -91,7 +84,7 @@ enum server_outcome server_batch_queue_cancel(struct server_store_sql *sql, cons
 enum server_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id);
 
 struct server_batch_claim {
-    char id[SERVER_BATCH_ID], tenant[SERVER_TENANT + 1], etag[SERVER_ETAG];
+    char id[PROTO_MANY_ID], tenant[SERVER_TENANT + 1], etag[SERVER_ETAG];
     int64_t item, attempts;
 };
 

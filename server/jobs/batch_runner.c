@@ -57,7 +57,7 @@ struct server_batch_runner {
     char node[SERVER_JOB_ID]; /* its name in leases */
     uint64_t renewed_ns, looked_ns;
     char last_tenant[SERVER_TENANT + 1]; /* tenant of the last claimed item */
-    char read_id[SERVER_BATCH_ID];       /* id of the batch from which `many` was read */
+    char read_id[PROTO_MANY_ID];         /* id of the batch from which `many` was read */
     struct proto_many many;
 };
 
@@ -218,7 +218,7 @@ static void item_settle(struct server_batch_runner *runner, const struct item *i
  * index is the last digit of the batch's id. */
 static unsigned place_of(const char *id)
 {
-    return (unsigned)strtoul(id + SERVER_BATCH_ID - 2, NULL, 16) % PLACES;
+    return (unsigned)strtoul(id + PROTO_MANY_ID - 2, NULL, 16) % PLACES;
 }
 
 /* Records a change of the batch `id`, or of all batches if `id` is NULL. */

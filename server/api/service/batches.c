@@ -16,7 +16,7 @@
 
 #define BATCHES_MOST 1000 /* limit on the batches of a tenant */
 
-_Static_assert(SERVER_BATCH_ID == SERVER_JOB_ID, "batches have ids of jobs");
+_Static_assert(PROTO_MANY_ID == SERVER_JOB_ID, "batches have ids of jobs");
 
 /* --- steps; each replies when it fails -------------------------------------------------------- */
 
@@ -41,46 +41,24 @@ static bool check_outcome(struct server_exchange *exchange, enum server_outcome 
 }
 
 static struct server_store_sql *find_batch(struct server_exchange *exchange,
-                                           struct server_batch *out)
+                                           struct proto_many_state *out)
 {
     const struct proto_capture *capture = &exchange->match.captures[0];
-    char id[SERVER_BATCH_ID] = "";
+    char id[PROTO_MANY_ID] = "";
     struct server_store_sql *sql = open_queue(exchange);
     if (!sql) return NULL;
-    if (capture->length == SERVER_BATCH_ID - 1) memcpy(id, capture->text, SERVER_BATCH_ID - 1);
+    if (capture->length == PROTO_MANY_ID - 1) memcpy(id, capture->text, PROTO_MANY_ID - 1);
     if (!check_outcome(exchange, server_batch_queue_find(sql, exchange->tenant, id, out)))
         return NULL;
     return sql;
 }
 
-static struct proto_many_state batch_state(const struct server_batch *batch)
-{
-    return (struct proto_many_state){.id = batch->id,
-                                     .items = batch->items,
-                                     .done = batch->done,
-                                     .failed = batch->failed,
-                                     .created = batch->created,
-                                     .is_cancelled = batch->is_cancelled};
-}
-
-static void batch_encode(struct proto_writer *writer, const struct server_batch *batch)
-{
-    const struct proto_many_state state = batch_state(batch);
-    proto_batch_encode(writer, &state);
-}
-
-static bool batch_has_ended(const struct server_batch *batch)
-{
-    const struct proto_many_state state = batch_state(batch);
-    return proto_many_has_ended(&state);
-}
-
 static void reply_batch(struct server_exchange *exchange, unsigned status,
-                        const struct server_batch *batch)
+                        const struct proto_many_state *batch)
 {
     struct proto_writer writer;
     server_reply_writer(exchange, &writer);
-    batch_encode(&writer, batch);
+    proto_batch_encode(&writer, batch);
     server_reply_json(exchange, status, &writer);
 }
 
@@ -124,7 +102,7 @@ static bool check_room(struct server_exchange *exchange, struct server_store_sql
 
 static void add_batch(struct server_exchange *exchange, const struct proto_many *many)
 {
-    struct server_batch batch = {.items = many->item_count};
+    struct proto_many_state batch = {.items = many->item_count};
     char etag[SERVER_ETAG];
     struct server_store_sql *sql = open_queue(exchange);
     if (!sql || !fix_version(exchange, many, etag) || !check_room(exchange, sql)) return;
@@ -172,11 +150,11 @@ static struct server_batch_wait wait_begin(const struct server_exchange *exchang
 /* Parks the exchange until the queue may have changed. Returns false if the exchange must be
  * answered now. */
 static bool wait_for_news(struct server_exchange *exchange, struct server_batch_wait *wait,
-                          const struct server_batch *batch)
+                          const struct proto_many_state *batch)
 {
     struct server_batch_runner *runner = exchange->host->api->batches;
     wait->id = batch->id;
-    return !batch_has_ended(batch) && gd_now_ns() < wait->until_ns &&
+    return !proto_many_has_ended(batch) && gd_now_ns() < wait->until_ns &&
            !atomic_load(&exchange->host->is_draining) &&
            server_batch_runner_wait(runner, &exchange->job, wait);
 }
@@ -187,7 +165,7 @@ static bool list_batches(struct server_exchange *exchange)
 {
     struct proto_page page;
     struct proto_writer writer;
-    struct server_batch batches[PROTO_PAGE_MOST + 1];
+    struct proto_many_state batches[PROTO_PAGE_MOST + 1];
     struct server_store_sql *sql = open_queue(exchange);
     if (!sql || !server_request_page(exchange, &page)) return true;
     struct server_batch_list list = {.batches = batches, .most = page.limit + 1};
@@ -197,7 +175,7 @@ static bool list_batches(struct server_exchange *exchange)
     uint32_t shown = list.count < page.limit ? list.count : page.limit;
     server_reply_writer(exchange, &writer);
     proto_page_begin(&writer, "batches");
-    for (uint32_t i = 0; i < shown; i++) batch_encode(&writer, &batches[i]);
+    for (uint32_t i = 0; i < shown; i++) proto_batch_encode(&writer, &batches[i]);
     proto_page_end(&writer, list.count > page.limit ? batches[shown - 1].id : NULL);
     server_reply_json(exchange, 200, &writer);
     return true;
@@ -211,7 +189,7 @@ void server_handle_list_batches(struct server_exchange *exchange)
 /* Describes the batch. Returns false if the exchange is parked until the batch or the wait ends. */
 static bool describe_batch(struct server_exchange *exchange)
 {
-    struct server_batch batch;
+    struct proto_many_state batch;
     uint64_t wait_s;
     if (!server_request_wait(exchange, &wait_s)) return true;
     struct server_batch_wait wait = wait_begin(exchange, wait_s);
@@ -229,10 +207,10 @@ void server_handle_get_batch(struct server_exchange *exchange)
 /* Cancels a running batch, or removes an ended one. */
 static bool remove_batch(struct server_exchange *exchange)
 {
-    struct server_batch batch;
+    struct proto_many_state batch;
     struct server_store_sql *sql = find_batch(exchange, &batch);
     if (!sql) return true;
-    if (!check_outcome(exchange, batch_has_ended(&batch)
+    if (!check_outcome(exchange, proto_many_has_ended(&batch)
                                      ? server_batch_queue_remove(sql, batch.id)
                                      : server_batch_queue_cancel(sql, batch.id)))
         return true;
@@ -251,7 +229,7 @@ void server_handle_delete_batch(struct server_exchange *exchange)
 struct answers {
     struct proto_many many;
     struct proto_many_page page;
-    struct server_batch batch; /* the batch's state when the reading of answers began */
+    struct proto_many_state batch; /* the batch's state when the reading of answers began */
     struct proto_writer writer;
     struct server_batch_place place; /* position of the last answer on the page */
     uint32_t count;
@@ -279,7 +257,7 @@ static void reply_answers(struct server_exchange *exchange, struct server_store_
                           struct answers *answers)
 {
     enum server_outcome outcome;
-    const struct proto_many_state state = batch_state(&answers->batch);
+    const struct proto_many_state *batch = &answers->batch;
     server_reply_writer(exchange, &answers->writer);
     proto_page_begin(&answers->writer, "results");
     do {
@@ -290,9 +268,8 @@ static void reply_answers(struct server_exchange *exchange, struct server_store_
         proto_writer_free(&answers->writer);
         return;
     }
-    bool has_next =
-        answers->is_cut || (answers->page.is_by_number && !proto_many_has_ended(&state));
-    proto_many_end_page(&answers->writer, &state, has_next ? answers->place.after : -1);
+    bool has_next = answers->is_cut || (answers->page.is_by_number && !proto_many_has_ended(batch));
+    proto_many_end_page(&answers->writer, batch, has_next ? answers->place.after : -1);
     server_reply_json(exchange, 200, &answers->writer);
 }
 
@@ -313,7 +290,7 @@ static bool read_batch(struct server_exchange *exchange, struct server_store_sql
 static bool list_answers(struct server_exchange *exchange)
 {
     struct answers answers = {.count = 0};
-    struct server_batch *batch = &answers.batch;
+    struct proto_many_state *batch = &answers.batch;
     struct proto_problem problem;
     if (!server_reply_check(exchange,
                             proto_many_parse_page(&exchange->parameters, &answers.page, &problem),

@@ -58,7 +58,7 @@ static struct server_store_sql *sql_of(void **state)
 
 static void add(struct server_store_sql *sql, const char *id, const char *tenant, int64_t items)
 {
-    struct server_batch batch = {.items = items, .created = 1763730000};
+    struct proto_many_state batch = {.items = items, .created = 1763730000};
     snprintf(batch.id, sizeof batch.id, "%s", id);
     const struct server_batch_order order = {&batch, tenant, "{\"a\":\0}", 7, "tag"};
     for (int i = 0; i < 2; i++) /* sends the answer twice, as after a lost response */
@@ -80,9 +80,10 @@ static struct server_batch_claim claim(struct server_store_sql *sql, const char 
     return claim_after(sql, node, "");
 }
 
-static struct server_batch find(struct server_store_sql *sql, const char *tenant, const char *id)
+static struct proto_many_state find(struct server_store_sql *sql, const char *tenant,
+                                    const char *id)
 {
-    struct server_batch batch;
+    struct proto_many_state batch;
     assert_int_equal(server_batch_queue_find(sql, tenant, id, &batch), SERVER_STORE_DONE);
     return batch;
 }
@@ -101,7 +102,7 @@ static void answer(struct server_store_sql *sql, const char *id, int64_t item, u
 static void a_batch_is_visible_to_its_tenant_only(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
-    struct server_batch batch, batches[4];
+    struct proto_many_state batch, batches[4];
     struct server_batch_list list = {.batches = batches, .most = 4};
     int64_t total;
     void *document;
@@ -180,7 +181,7 @@ static void a_second_answer_is_ignored(void **state)
     const struct server_batch_place begin = {ID_A, -1, false};
     assert_int_equal(server_batch_queue_answers(sql, &begin, on_answer, text), SERVER_STORE_DONE);
     assert_string_equal(text, "0:200:yes:0 2:404:no:2 ");
-    struct server_batch batch = find(sql, "", ID_A);
+    struct proto_many_state batch = find(sql, "", ID_A);
     assert_int_equal(batch.done, 2);
     assert_int_equal(batch.failed, 1);
     assert_int_equal(claim(sql, "x").item, 1);
@@ -303,7 +304,7 @@ static void only_its_holder_can_renew_or_return_a_lease(void **state)
 static void items_of_a_cancelled_batch_are_not_claimed(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
-    struct server_batch batch;
+    struct proto_many_state batch;
     add(sql, ID_A, "", 2);
     struct server_batch_claim taken = claim(sql, "x");
     assert_int_equal(taken.item, 0);
@@ -391,7 +392,7 @@ static enum server_outcome plan(struct server_store_sql *sql,
 static void a_list_does_not_count_items(void **state)
 {
     struct planner planner = {.sql = {.run = plan}, .queue = sql_of(state)};
-    struct server_batch batches[2];
+    struct proto_many_state batches[2];
     struct server_batch_list list = {.batches = batches, .most = 2};
     assert_int_equal(server_batch_queue_list(&planner.sql, "", "", &list), SERVER_STORE_DONE);
     assert_int_equal(planner.reads, 2);
