@@ -185,13 +185,13 @@ enum gd_status server_query_build_field(struct server_query *query, struct serve
 static enum server_query_turn field_answer(struct server_query *query,
                                            const struct server_cached *cached, double begun)
 {
-    struct server_monitor part = server_query_monitor(query, begun, 1 - begun);
     double radius = query->field.request.radius;
     struct gd_field *within = NULL;
+    server_query_pass(query, begun);
     enum gd_status status = radius > 0 ? gd_field_within(cached->field, radius, &within) : GD_OK;
-    enum server_query_turn turn =
-        status ? server_query_fail(query, status, WHAT)
-               : query->kind->answer(query, within ? within : cached->field, &part);
+    enum server_query_turn turn = status
+                                      ? server_query_fail(query, status, WHAT)
+                                      : query->kind->answer(query, within ? within : cached->field);
     gd_field_release(within);
     server_cache_unpin(cached);
     return turn;

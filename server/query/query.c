@@ -74,20 +74,18 @@ enum server_query_turn server_query_solve(struct server_query *query)
     return kind->solve ? kind->solve(query) : server_field_query_solve(query);
 }
 
-struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun,
-                                             double share)
-{
-    return (struct server_monitor){.exchange = whole->exchange,
-                                   .begun = whole->begun + whole->share * begun,
-                                   .share = whole->share * share};
-}
-
 struct server_monitor server_query_monitor(const struct server_query *query, double begun,
                                            double share)
 {
-    const struct server_monitor whole = {
-        .exchange = query->exchange, .begun = query->begun, .share = query->share};
-    return server_monitor_portion(&whole, begun, share);
+    return (struct server_monitor){.exchange = query->exchange,
+                                   .begun = query->begun + query->share * begun,
+                                   .share = query->share * share};
+}
+
+void server_query_pass(struct server_query *query, double part)
+{
+    query->begun += query->share * part;
+    query->share *= 1 - part;
 }
 
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,

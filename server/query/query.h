@@ -130,10 +130,9 @@ struct server_query_kind {
     bool (*prepare)(struct server_query *query);
     /* Runs after the pending set is located. May be NULL. */
     bool (*located)(struct server_query *query);
-    /* Answers from the field; `part` is the monitor for long calls. If the step names another field
-       and returns AGAIN, it is called again with that field. */
-    enum server_query_turn (*answer)(struct server_query *query, const struct gd_field *field,
-                                     struct server_monitor *part);
+    /* Answers from the field. If the step names another field and returns AGAIN, it is called again
+       with that field. */
+    enum server_query_turn (*answer)(struct server_query *query, const struct gd_field *field);
     void (*encode)(const struct server_query *query, struct proto_writer *writer);
     void (*reply)(struct server_query *query); /* writes an answer in a form other than JSON */
     /* form in the entity tag of such an answer, such as "png" */
@@ -170,13 +169,13 @@ void server_query_handle(struct server_exchange *exchange, const struct server_q
 
 /* --- for the steps ---------------------------------------------------------------------------- */
 
-/* Return the monitor of a long call. The call is the part [begun, begun + share] of a progress: in
- * the first function of the query's progress, in the second one of the progress of the monitor
- * `whole`. */
+/* Returns the monitor of a long call, which is the part [begun, begun + share] of the query's
+ * progress. */
 struct server_monitor server_query_monitor(const struct server_query *query, double begun,
                                            double share);
-struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun,
-                                             double share);
+
+/* Ends the first part of the query's progress. Later calls refer to the rest. */
+void server_query_pass(struct server_query *query, double part);
 
 /* Sets the problem of an engine failure. `what` names the work ("the search"). Returns FAILED. */
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,

@@ -56,11 +56,12 @@ static bool curves_prepare(struct server_query *query)
     return true;
 }
 
-static enum server_query_turn
-curves_answer(struct server_query *query, const struct gd_field *field, struct server_monitor *part)
+static enum server_query_turn curves_answer(struct server_query *query,
+                                            const struct gd_field *field)
 {
     struct curves_query *curves = (struct curves_query *)query;
-    const struct gd_control control = server_exchange_control(part);
+    struct server_monitor monitor = server_query_monitor(query, 0, 1);
+    const struct gd_control control = server_exchange_control(&monitor);
     int source = curves->source;
     const struct gd_curve *of = &curves->curve[source], *other = &curves->curve[!source];
     enum gd_status status =

@@ -419,14 +419,13 @@ static enum gd_status log_write(struct log_query *own, uint32_t i, struct gd_pai
 }
 
 /* Writes the vectors of targets, from the field or, if `field` is NULL, from searches. */
-static enum gd_status log_write_targets(struct log_query *own, const struct gd_field *field,
-                                        const struct server_monitor *whole)
+static enum gd_status log_write_targets(struct log_query *own, const struct gd_field *field)
 {
     struct server_query *query = &own->query;
     uint32_t count = query->points.count;
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < count && !status; i++) {
-        struct server_monitor part = server_monitor_portion(whole, (double)i / count, 1.0 / count);
+        struct server_monitor part = server_query_monitor(query, (double)i / count, 1.0 / count);
         const struct gd_control control = server_exchange_control(&part);
         const struct server_pair pair = {&own->from.point, &query->points.points[i],
                                          GD_PAIR_PATH_AND_CUT};
@@ -439,14 +438,13 @@ static enum gd_status log_write_targets(struct log_query *own, const struct gd_f
     return status;
 }
 
-static enum gd_status log_write_vertices(struct log_query *own, const struct gd_field *field,
-                                         const struct server_monitor *whole)
+static enum gd_status log_write_vertices(struct log_query *own, const struct gd_field *field)
 {
     struct server_query *query = &own->query;
     const struct gd_mesh *mesh = query->surface->mesh;
     uint32_t count = gd_mesh_summary(mesh)->index_count;
-    struct server_monitor first = server_monitor_portion(whole, 0, 0.5),
-                          second = server_monitor_portion(whole, 0.5, 0.5);
+    struct server_monitor first = server_query_monitor(query, 0, 0.5),
+                          second = server_query_monitor(query, 0.5, 0.5);
     const struct gd_control mapping = server_exchange_control(&first),
                             writing = server_exchange_control(&second);
     double *angles = server_query_allocate(query, 4 * (size_t)count, sizeof *angles),
@@ -481,8 +479,7 @@ static enum gd_status log_reserve(struct log_query *own)
 }
 
 /* Writes the answer. `field` may be NULL if there are few targets. */
-static enum server_query_turn log_answer(struct server_query *query, const struct gd_field *field,
-                                         struct server_monitor *part)
+static enum server_query_turn log_answer(struct server_query *query, const struct gd_field *field)
 {
     struct log_query *own = (struct log_query *)query;
     struct proto_writer *writer = &query->draft;
@@ -494,8 +491,8 @@ static enum server_query_turn log_answer(struct server_query *query, const struc
         proto_member_array(writer, "vectors");
         status = log_reserve(own);
         if (!status)
-            status = own->has_targets ? log_write_targets(own, field, part)
-                                      : log_write_vertices(own, field, part);
+            status =
+                own->has_targets ? log_write_targets(own, field) : log_write_vertices(own, field);
         proto_write_array_end(writer);
     }
     proto_write_object_end(writer);
@@ -516,9 +513,7 @@ static bool log_join(struct server_query *query)
 
 static enum server_query_turn log_solve(struct server_query *query)
 {
-    struct server_monitor whole = server_query_monitor(query, 0, 1);
-    return log_needs_field(query) ? server_field_query_solve(query)
-                                  : log_answer(query, NULL, &whole);
+    return log_needs_field(query) ? server_field_query_solve(query) : log_answer(query, NULL);
 }
 
 /* Lists the arrays. Only JSON answers have segments. */

@@ -62,14 +62,14 @@ static enum gd_status paths_list(struct lines_query *own)
 
 /* Traces the lines. `members` has the member of each seed. */
 static enum server_query_turn lines_trace(struct lines_query *own, const struct gd_field *field,
-                                          const uint32_t *members, struct server_monitor *part)
+                                          const uint32_t *members)
 {
     struct server_query *query = &own->query;
     const struct tracer *tracer = query->kind->own;
     size_t bytes = BYTES_A_TRACE +
                    gd_mesh_summary(query->surface->mesh)->edges * tracer->bytes_an_edge +
                    gd_field_statistics(field)->wedges * tracer->bytes_a_wedge;
-    struct server_budgeted_call call = server_query_begin_call(query, part, bytes);
+    struct server_budgeted_call call = server_query_begin_call(query, NULL, bytes);
     while (server_budgeted_call_next(&call)) {
         call.status = tracer->trace(own, field, members, &call.control);
         call.kept = own->found.bytes;
@@ -190,8 +190,7 @@ static const struct tracer cut_locus_tracer = {.what = "the cut locus",
                                                .trace = cut_locus_trace};
 
 static enum server_query_turn cut_locus_answer(struct server_query *query,
-                                               const struct gd_field *field,
-                                               struct server_monitor *part)
+                                               const struct gd_field *field)
 {
     struct cut_locus_query *own = (struct cut_locus_query *)query;
     const uint32_t *members;
@@ -199,7 +198,7 @@ static enum server_query_turn cut_locus_answer(struct server_query *query,
         return server_query_end_draft(query, GD_OK, cut_locus_tracer.what);
     enum gd_status status = members_find(own, &members);
     if (status) return server_query_fail(query, status, cut_locus_tracer.what);
-    return lines_trace(&own->lines, field, members, part);
+    return lines_trace(&own->lines, field, members);
 }
 
 static void cut_locus_encode(const struct server_query *query, struct proto_writer *writer)
@@ -268,15 +267,14 @@ static const struct tracer voronoi_tracer = {.what = "the diagram",
                                              .trace = voronoi_trace};
 
 static enum server_query_turn voronoi_answer(struct server_query *query,
-                                             const struct gd_field *field,
-                                             struct server_monitor *part)
+                                             const struct gd_field *field)
 {
     struct voronoi_query *own = (struct voronoi_query *)query;
     uint32_t fields = query->options.fields;
     enum gd_status status = fields & PROTO_VORONOI_FIELD_LABELS ? labels_find(own, field) : GD_OK;
     if (status || !(fields & PROTO_VORONOI_FIELD_BISECTORS))
         return server_query_end_draft(query, status, voronoi_tracer.what);
-    return lines_trace(&own->lines, field, query->field.set->members, part);
+    return lines_trace(&own->lines, field, query->field.set->members);
 }
 
 static void voronoi_encode(const struct server_query *query, struct proto_writer *writer)

@@ -184,16 +184,15 @@ static enum gd_status result_write(struct evaluation *evaluation, const struct g
     return status;
 }
 
-static enum gd_status evaluation_write(struct evaluation *evaluation, const struct gd_field *field,
-                                       struct server_monitor *part)
+static enum gd_status evaluation_write(struct evaluation *evaluation, const struct gd_field *field)
 {
     const uint32_t each = PROTO_EVALUATION_FIELD_NEAREST | PROTO_EVALUATION_FIELD_PATH |
                           PROTO_EVALUATION_FIELD_GRADIENT;
     struct server_query *query = &evaluation->query;
     uint32_t count = query->points.count;
     double share = evaluation->wanted & each ? DISTANCE_SHARE : 1 - DISTANCE_SHARE;
-    struct server_monitor first = server_monitor_portion(part, 0, share),
-                          second = server_monitor_portion(part, share, 1 - share);
+    struct server_monitor first = server_query_monitor(query, 0, share),
+                          second = server_query_monitor(query, share, 1 - share);
     const struct gd_control measuring = server_exchange_control(&first),
                             writing = server_exchange_control(&second);
     enum gd_status status =
@@ -227,12 +226,11 @@ static enum gd_status evaluation_reserve(struct evaluation *evaluation)
 }
 
 static enum server_query_turn evaluation_answer(struct server_query *query,
-                                                const struct gd_field *field,
-                                                struct server_monitor *part)
+                                                const struct gd_field *field)
 {
     struct evaluation *evaluation = (struct evaluation *)query;
     enum gd_status status = evaluation_reserve(evaluation);
-    if (!status) status = evaluation_write(evaluation, field, part);
+    if (!status) status = evaluation_write(evaluation, field);
     return server_query_end_draft(query, status, "the answer");
 }
 

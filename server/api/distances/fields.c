@@ -80,11 +80,11 @@ static enum gd_status creation_list(struct field_creation *creation,
 }
 
 static enum server_query_turn creation_answer(struct server_query *query,
-                                              const struct gd_field *field,
-                                              struct server_monitor *part)
+                                              const struct gd_field *field)
 {
     const struct gd_field_statistics *statistics = gd_field_statistics(field);
-    const struct gd_control control = server_exchange_control(part);
+    struct server_monitor monitor = server_query_monitor(query, 0, 1);
+    const struct gd_control control = server_exchange_control(&monitor);
     struct proto_field_description description = {.wedges = statistics->wedges,
                                                   .bytes = gd_field_memsize(field),
                                                   .build_ms = (double)statistics->build_ns / 1e6,
@@ -236,13 +236,12 @@ static bool values_parse(struct server_query *query, const struct proto_paramete
     return server_field_query_of_resource(query);
 }
 
-static enum server_query_turn
-values_answer(struct server_query *query, const struct gd_field *field, struct server_monitor *part)
+static enum server_query_turn values_answer(struct server_query *query,
+                                            const struct gd_field *field)
 {
     struct values_query *own = (struct values_query *)query;
     uint32_t count = values_count(query);
     double most = query->field.request.radius;
-    (void)part;
     own->values = server_query_allocate(query, count, sizeof *own->values);
     if (!own->values) return server_query_fail(query, GD_BUDGET, "the answer");
     gd_field_vertex_distances(field, own->values);
@@ -316,8 +315,7 @@ static void wedges_name_members(const struct server_query *query, struct gd_wedg
 }
 
 static enum server_query_turn wedges_answer_all(struct wedges_query *own,
-                                                const struct gd_field *field,
-                                                struct server_monitor *part)
+                                                const struct gd_field *field)
 {
     struct server_query *query = &own->query;
     /* On most edges the result has a few more wedges than the field stores. The factor three covers
@@ -325,7 +323,7 @@ static enum server_query_turn wedges_answer_all(struct wedges_query *own,
     size_t grant = (gd_field_statistics(field)->wedges +
                     3 * (size_t)gd_mesh_summary(query->surface->mesh)->edges) *
                    3 * sizeof *own->all.wedges;
-    struct server_budgeted_call call = server_query_begin_call(query, part, grant);
+    struct server_budgeted_call call = server_query_begin_call(query, NULL, grant);
     while (server_budgeted_call_next(&call)) {
         call.status = gd_field_all_wedges(field, &call.control, &own->all);
         call.kept = gd_all_wedges_memsize(&own->all);
@@ -335,11 +333,11 @@ static enum server_query_turn wedges_answer_all(struct wedges_query *own,
     return SERVER_QUERY_DONE;
 }
 
-static enum server_query_turn
-wedges_answer(struct server_query *query, const struct gd_field *field, struct server_monitor *part)
+static enum server_query_turn wedges_answer(struct server_query *query,
+                                            const struct gd_field *field)
 {
     struct wedges_query *own = (struct wedges_query *)query;
-    if (own->is_of_all) return wedges_answer_all(own, field, part);
+    if (own->is_of_all) return wedges_answer_all(own, field);
     enum gd_status status =
         gd_field_wedges(field, own->ends[0], own->ends[1], &own->wedges, &own->count);
     if (status) {

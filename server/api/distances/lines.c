@@ -15,7 +15,7 @@
 #define BYTES_A_TRACE ((size_t)1 << 20)
 #define ISOLINE_EDGE  32  /* bytes needed for each edge of the mesh while an isoline is traced */
 #define INDEX_SHARE   0.2 /* fraction of the progress for building the index of isolines */
-#define TRACE_SHARE   0.4 /* fraction of the progress for tracing; the rest is for writing */
+#define TRACE_SHARE   0.5 /* fraction of the rest for tracing; the remaining part is for writing */
 /* limit on the bytes of traced lines that are not yet written */
 #define TRACED_BYTES ((size_t)64 << 20)
 #define LEVELS       8   /* number of isolines that are traced in parallel */
@@ -56,10 +56,9 @@ struct isolines_query {
     /* one for each level; those from `next` to `traced` have been traced and not yet written */
     struct gd_isoline *isolines;
     uint32_t traced, next;
-    size_t traced_bytes;        /* bytes of these lines */
-    struct server_monitor part; /* progress of the step that writes levels */
-    struct gd_path *lines;      /* lines for a file; other answers are in the draft */
-    double *levels;             /* level of each line */
+    size_t traced_bytes;   /* bytes of these lines */
+    struct gd_path *lines; /* lines for a file; other answers are in the draft */
+    double *levels;        /* level of each line */
     uint32_t line_count;
 };
 
@@ -196,13 +195,13 @@ static bool level_write(struct isolines_query *own)
     struct gd_isoline *isoline = &own->isolines[level];
     uint32_t count = isoline->line_count;
     enum gd_status status = lines_reserve(own, level);
-    own->part.exchange = query->exchange;
     proto_write_object_begin(&query->draft);
     proto_member_number(&query->draft, "level", own->wanted.levels[level]);
     proto_member_array(&query->draft, "lines");
     for (uint32_t i = 0; i < count && !status; i++) {
-        struct server_monitor one = server_monitor_portion(
-            &own->part, (level + (double)i / count) / levels, 1.0 / count / levels);
+        double share = (1 - TRACE_SHARE) / levels / count;
+        struct server_monitor one =
+            server_query_monitor(query, TRACE_SHARE + (level * (double)count + i) * share, share);
         const struct gd_control control = server_exchange_control(&one);
         status = line_write(own, &isoline->lines[i], &control);
     }
@@ -231,7 +230,6 @@ static enum server_query_turn levels_write(struct isolines_query *own)
 /* Levels that are traced in parallel. */
 struct level_run {
     struct isolines_query *own;
-    const struct server_monitor *part;
     atomic_int status; /* the first failure */
 };
 
@@ -241,7 +239,7 @@ static void level_trace(void *user, uint32_t number)
     struct isolines_query *own = run->own;
     uint32_t level = own->traced + number, count = own->wanted.level_count;
     struct server_monitor one =
-        server_monitor_portion(run->part, (double)level / count, 1.0 / count);
+        server_query_monitor(&own->query, TRACE_SHARE * level / count, TRACE_SHARE / count);
     struct server_budgeted_call call = {.workspaces = own->query.exchange->host->workspaces,
                                         .control = server_exchange_control(&one),
                                         .grant = trace_grant(&own->query, ISOLINE_EDGE)};
@@ -256,10 +254,10 @@ static void level_trace(void *user, uint32_t number)
 }
 
 /* Traces the next levels in parallel, and counts their lines. */
-static bool levels_trace_some(struct isolines_query *own, const struct server_monitor *part)
+static bool levels_trace_some(struct isolines_query *own)
 {
     const struct server_exchange *exchange = own->query.exchange;
-    struct level_run run = {.own = own, .part = part};
+    struct level_run run = {.own = own};
     uint32_t rest = own->wanted.level_count - own->traced, some = rest < LEVELS ? rest : LEVELS;
     const struct gd_executor *executor =
         server_executor_start(exchange->host->workers, some, exchange->job.deadline_ns);
@@ -280,10 +278,10 @@ static bool levels_trace_some(struct isolines_query *own, const struct server_mo
 /* Traces all levels before the first one is sent, so that a request with too many lines is refused
  * as a whole. If the traced lines take much memory, some levels are already written to the
  * draft. */
-static bool levels_trace(struct isolines_query *own, const struct server_monitor *part)
+static bool levels_trace(struct isolines_query *own)
 {
     while (own->traced < own->wanted.level_count) {
-        if (!levels_trace_some(own, part)) return false;
+        if (!levels_trace_some(own)) return false;
         while (own->traced_bytes > TRACED_BYTES)
             if (!level_write(own)) return false;
     }
@@ -291,16 +289,11 @@ static bool levels_trace(struct isolines_query *own, const struct server_monitor
 }
 
 static enum server_query_turn isolines_answer(struct server_query *query,
-                                              const struct gd_field *field,
-                                              struct server_monitor *part)
+                                              const struct gd_field *field)
 {
     struct isolines_query *own = (struct isolines_query *)query;
-    struct server_monitor first = server_monitor_portion(part, 0, INDEX_SHARE),
-                          second = server_monitor_portion(part, INDEX_SHARE, TRACE_SHARE);
-    struct server_budgeted_call call =
-        server_query_begin_call(query, &first, trace_grant(query, 0));
-    own->part =
-        server_monitor_portion(part, INDEX_SHARE + TRACE_SHARE, 1 - INDEX_SHARE - TRACE_SHARE);
+    struct server_monitor part = server_query_monitor(query, 0, INDEX_SHARE);
+    struct server_budgeted_call call = server_query_begin_call(query, &part, trace_grant(query, 0));
     own->isolines = server_query_allocate(query, own->wanted.level_count, sizeof *own->isolines);
     if (!own->isolines) return server_query_fail(query, GD_BUDGET, "the isolines");
     while (server_budgeted_call_next(&call)) {
@@ -310,7 +303,8 @@ static enum server_query_turn isolines_answer(struct server_query *query,
     if (call.status) return server_query_fail(query, call.status, "the isolines");
     proto_write_object_begin(&query->draft);
     proto_member_array(&query->draft, "isolines");
-    return levels_trace(own, &second) ? levels_write(own) : SERVER_QUERY_FAILED;
+    server_query_pass(query, INDEX_SHARE);
+    return levels_trace(own) ? levels_write(own) : SERVER_QUERY_FAILED;
 }
 
 static enum server_query_turn isolines_solve(struct server_query *query)

@@ -204,8 +204,9 @@ static enum gd_status row_search(const struct matrix_row *row)
             server_cache_find(matrix->query.surface->fields, column);
         if (!cached || gd_field_distance(cached->field, row->point, &row->distances[i])) {
             const struct server_pair pair = {row->point, column, GD_PAIR_DISTANCE};
-            struct server_monitor part =
-                server_monitor_portion(&row->monitor, (double)i / count, 1.0 / count);
+            struct server_monitor part = row->monitor;
+            part.share /= count;
+            part.begun += i * part.share;
             struct gd_pair_answer answer;
             status = server_pair_search(&part, matrix->query.surface, &pair, &answer);
             if (!status) row->distances[i] = answer.distance;

@@ -75,12 +75,13 @@ static bool picture_decode(struct server_query *query, const json_t *document)
 /* --- the scene -------------------------------------------------------------------------------- */
 
 /* Computes the path through the points of the route. */
-static bool picture_find_route(struct picture *picture, const struct server_monitor *whole)
+static bool picture_find_route(struct picture *picture)
 {
     struct server_query *query = &picture->query;
     uint32_t legs = query->points.count ? query->points.count - 1 : 0;
     for (uint32_t i = 0; i < legs; i++) {
-        struct server_monitor part = server_monitor_portion(whole, (double)i / legs, 1.0 / legs);
+        struct server_monitor part =
+            server_query_monitor(query, PATH_SHARE * i / legs, PATH_SHARE / legs);
         const struct server_pair pair = {&query->points.points[i], &query->points.points[i + 1],
                                          GD_PAIR_PATH};
         struct gd_pair_answer leg;
@@ -95,16 +96,14 @@ static bool picture_find_route(struct picture *picture, const struct server_moni
                "from and to, or name others");
 }
 
-static enum server_query_turn picture_draw(struct server_query *query, const struct gd_field *field,
-                                           struct server_monitor *part)
+static enum server_query_turn picture_draw(struct server_query *query, const struct gd_field *field)
 {
     struct picture *picture = (struct picture *)query;
     const struct format *format = (const struct format *)query->kind;
-    struct server_monitor first = server_monitor_portion(part, 0, PATH_SHARE),
-                          second = server_monitor_portion(part, PATH_SHARE, 1 - PATH_SHARE);
+    struct server_monitor part = server_query_monitor(query, PATH_SHARE, 1 - PATH_SHARE);
     struct gd_picture *wanted = &picture->wanted.picture;
     if (!server_picture_surface_open(&picture->surface, query, MESH_SHARE) ||
-        !picture_find_route(picture, &first))
+        !picture_find_route(picture))
         return SERVER_QUERY_FAILED;
     const struct gd_mesh_summary *summary = gd_mesh_summary(picture->surface.mesh);
     if (!field) field = picture->surface.field;
@@ -116,7 +115,7 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
     size_t bytes = PICTURE_BYTES + (size_t)wanted->width * wanted->height * BYTES_PER_PIXEL +
                    (size_t)summary->faces * BYTES_PER_FACE +
                    (field ? (size_t)summary->edges * BYTES_PER_EDGE : 0);
-    struct server_budgeted_call call = server_query_begin_call(query, &second, bytes);
+    struct server_budgeted_call call = server_query_begin_call(query, &part, bytes);
     while (server_budgeted_call_next(&call)) {
         call.status = format->render(wanted, &call.control, &picture->file, &picture->size);
         call.kept = picture->size;
@@ -125,12 +124,6 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
     query->held -= picture->size; /* the response takes the file over from the exchange */
     query->exchange->held += picture->size;
     return SERVER_QUERY_DONE;
-}
-
-/* Returns whether the picture is drawn with a field of the mesh. */
-static bool picture_has_field(const struct picture *picture)
-{
-    return picture->wanted.field || picture->wanted.has_source || picture->layers.has_set;
 }
 
 /* Solves the layers before this query claims its field. Otherwise a layer that needs the same field
@@ -145,9 +138,8 @@ static enum server_query_turn picture_solve(struct server_query *query)
         query->begun = LAYERS_SHARE;
         query->share = 1 - LAYERS_SHARE;
     }
-    struct server_monitor whole = server_query_monitor(query, 0, 1);
-    return picture_has_field(picture) ? server_field_query_solve(query)
-                                      : picture_draw(query, NULL, &whole);
+    bool has_field = picture->wanted.field || picture->wanted.has_source || picture->layers.has_set;
+    return has_field ? server_field_query_solve(query) : picture_draw(query, NULL);
 }
 
 static bool picture_join(struct server_query *query)
