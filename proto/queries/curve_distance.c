@@ -67,11 +67,9 @@ static void encode_path(struct proto_writer *writer, const struct gd_mesh *mesh,
                         const struct gd_curve_distance *distance,
                         const struct proto_options *options)
 {
-    if (!proto_field(writer, options, PROTO_CURVE_DISTANCE_FIELD_PATH)) return;
-    if (isfinite(distance->distance))
-        proto_path_encode(writer, mesh, &distance->path, options->geometry);
-    else
-        proto_write_null(writer);
+    const struct gd_path *path = isfinite(distance->distance) ? &distance->path : NULL;
+    if (proto_field(writer, options, PROTO_CURVE_DISTANCE_FIELD_PATH))
+        proto_path_encode(writer, mesh, path, options->geometry);
 }
 
 void proto_curve_distance_encode(struct proto_writer *writer, const struct gd_mesh *mesh,

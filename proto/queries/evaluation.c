@@ -62,8 +62,10 @@ void proto_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh
     if (wanted & PROTO_EVALUATION_FIELD_NEAREST &&
         encode_key(writer, "nearest", isfinite(result->distance)))
         encode_nearest(writer, mesh, set, result);
-    if (wanted & PROTO_EVALUATION_FIELD_PATH && encode_key(writer, "path", result->path))
+    if (wanted & PROTO_EVALUATION_FIELD_PATH) {
+        proto_write_key(writer, "path");
         proto_path_encode(writer, mesh, result->path, geometry);
+    }
     if (wanted & PROTO_EVALUATION_FIELD_GRADIENT &&
         encode_key(writer, "gradient", result->has_gradient))
         proto_direction_encode(writer, &result->gradient);

@@ -64,16 +64,6 @@ bool proto_pair_parse(const struct proto_parameters *parameters, struct proto_po
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-static void encode_path(struct proto_writer *writer, const struct gd_mesh *mesh,
-                        const struct gd_pair_answer *answer, enum proto_geometry geometry)
-{
-    proto_write_key(writer, "path");
-    if (isfinite(answer->distance))
-        proto_path_encode(writer, mesh, &answer->path, geometry);
-    else
-        proto_write_null(writer);
-}
-
 void proto_pair_encode(struct proto_writer *writer, const struct proto_located_points *stops,
                        const struct gd_pair_answer *answer, const struct proto_options *options)
 {
@@ -94,6 +84,10 @@ void proto_pair_encode(struct proto_writer *writer, const struct proto_located_p
         proto_write_key(writer, "via");
         proto_located_points_encode(writer, stops, 1, last - 1);
     }
-    if (fields & PROTO_PATH_FIELD_PATH) encode_path(writer, stops->mesh, answer, options->geometry);
+    if (fields & PROTO_PATH_FIELD_PATH) {
+        proto_write_key(writer, "path");
+        proto_path_encode(writer, stops->mesh, isfinite(answer->distance) ? &answer->path : NULL,
+                          options->geometry);
+    }
     proto_write_object_end(writer);
 }

@@ -76,6 +76,10 @@ size_t proto_path_bytes(uint32_t count, enum proto_geometry geometry)
 void proto_path_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                        const struct gd_path *path, enum proto_geometry geometry)
 {
+    if (!path) {
+        proto_write_null(writer);
+        return;
+    }
     proto_write_object_begin(writer);
     proto_member_number(writer, "length", path->length);
     proto_member_points(writer, mesh, path->points, path->count, geometry);
