@@ -343,6 +343,8 @@ def request_declarations(request):
     yield "};"
     yield f"extern const char *const {request.c_name}_members[]; /* NULL-terminated */"
     if request.is_form:
+        yield f"extern const char *const {request.c_name}_forms[]; /* by form; NULL-terminated */"
+    if request.is_form:
         yield f"bool {request.c_name}_decode{DECODE.format(name=request.c_name)};"
     else:
         yield f"bool {request.c_name}_read(const struct proto_object *object, struct {request.c_name} *out);"
@@ -503,14 +505,14 @@ def forms_function(form):
     """Returns the function that finds the form and reads it."""
     for branch in form.branches:
         yield from form_function(form, branch)
+    yield f"const char *const {form.c_name}_forms[] = {texts(form.forms[:len(form.branches)])};\n"
     yield f"bool {form.c_name}_decode{DECODE.format(name=form.c_name)}\n{{"
-    yield f"    static const char *const forms[] = {texts(form.forms[:len(form.branches)])};"
     yield "    const struct proto_object object = {value, place, problem};"
     yield f"    struct {form.c_name} read = {{0}};\n    unsigned form;\n    bool ok = false;"
     if form.name in TEXTS:
         yield f"    if (json_is_string(value)) return {TEXTS[form.name][0]}(json_string_value(value), place, out, problem);"
     known = "NULL" if form.is_first else f"{form.c_name}_members"
-    yield f"    if (!proto_object_form(&object, {known}, forms, {c_string(form.refusal)}, &form)) return false;"
+    yield f"    if (!proto_object_form(&object, {known}, {form.c_name}_forms, {c_string(form.refusal)}, &form)) return false;"
     yield f"    read.form = (enum {form.c_name}_form)form;"
     if form.has_place:
         yield "    proto_place_keep(read.place, place);"

@@ -34,14 +34,10 @@ static bool read_vector(const char *text, struct gd_vec3 *out)
 
 static bool parse_view(const char *text, struct gd_picture *out, struct proto_problem *problem)
 {
-    static const char *const words[] = {
-        [GD_VIEW_CHOSEN] = "auto",   [GD_VIEW_FRONT] = "front", [GD_VIEW_BACK] = "back",
-        [GD_VIEW_LEFT] = "left",     [GD_VIEW_RIGHT] = "right", [GD_VIEW_TOP] = "top",
-        [GD_VIEW_BOTTOM] = "bottom", [GD_VIEW_ISO] = "iso"};
     out->view = GD_VIEW_CHOSEN;
     if (!text) return true;
-    for (unsigned i = 0; i < sizeof words / sizeof *words; i++)
-        if (!strcmp(text, words[i])) {
+    for (unsigned i = 0; proto_view_words[i]; i++)
+        if (!strcmp(text, proto_view_words[i])) {
             out->view = (enum gd_view)i;
             return true;
         }
@@ -135,33 +131,6 @@ bool proto_picture_parse(const struct proto_parameters *parameters, struct proto
 
 /* --- figures ---------------------------------------------------------------------------------- */
 
-const char *proto_picture_form_name(unsigned form)
-{
-    static const char *const names[] = {[PROTO_PICTURE_LAYER_SURFACE] = "surface",
-                                        [PROTO_PICTURE_LAYER_FIELD] = "field",
-                                        [PROTO_PICTURE_LAYER_ISOLINES] = "isolines",
-                                        [PROTO_PICTURE_LAYER_PATH] = "path",
-                                        [PROTO_PICTURE_LAYER_TRACE] = "trace",
-                                        [PROTO_PICTURE_LAYER_EXP] = "exp",
-                                        [PROTO_PICTURE_LAYER_SPLINE] = "spline",
-                                        [PROTO_PICTURE_LAYER_CURVE] = "curve",
-                                        [PROTO_PICTURE_LAYER_CURVE_DISTANCE] = "curve_distance",
-                                        [PROTO_PICTURE_LAYER_VORONOI] = "voronoi",
-                                        [PROTO_PICTURE_LAYER_CUT_LOCUS] = "cut_locus",
-                                        [PROTO_PICTURE_LAYER_CUT] = "cut",
-                                        [PROTO_PICTURE_LAYER_POINTS] = "points",
-                                        [PROTO_PICTURE_LAYER_POINT_CURVE_DISTANCE] =
-                                            "point_curve_distance",
-                                        [PROTO_PICTURE_LAYER_ISOPARAMETRIC] = "isoparametric",
-                                        [PROTO_PICTURE_LAYER_CONTROL_NET] = "control_net"};
-    return names[form];
-}
-
-const char *proto_picture_layer_name(const struct proto_picture_layer *layer)
-{
-    return proto_picture_form_name(layer->form);
-}
-
 static struct gd_vec3 vector_of(const double xyz[3])
 {
     return (struct gd_vec3){xyz[0], xyz[1], xyz[2]};
@@ -196,8 +165,8 @@ static bool take_camera(const struct proto_picture_camera *camera, struct proto_
 static bool refuse_layer(const struct proto_picture_layer *layer, const char *why,
                          struct proto_problem *problem)
 {
-    return proto_problem_refuse_member(problem, layer->place, proto_picture_layer_name(layer), "%s",
-                                       why);
+    return proto_problem_refuse_member(problem, layer->place,
+                                       proto_picture_layer_forms[layer->form], "%s", why);
 }
 
 static void take_surface(const struct proto_picture_layer *layer, struct gd_picture *picture)

@@ -41,8 +41,4 @@ bool proto_picture_limit_places_decode(const json_t *document, const struct gd_s
                                        struct proto_limit_places *out,
                                        struct proto_problem *problem);
 
-/* Return the JSON member that names a kind of layers: the kind of `layer`, or the kind `form`. */
-const char *proto_picture_layer_name(const struct proto_picture_layer *layer);
-const char *proto_picture_form_name(unsigned form);
-
 #endif

@@ -97,8 +97,8 @@ static bool rule_check(const struct server_query *query, const struct proto_pict
     for (unsigned form = 0, length = 0; form < FORMS; form++)
         if (rules[form].is_known)
             length += (unsigned)snprintf(known + length, sizeof known - length, "%s%s",
-                                         length ? ", " : "", proto_picture_form_name(form));
-    const char *name = proto_picture_layer_name(layer);
+                                         length ? ", " : "", proto_picture_layer_forms[form]);
+    const char *name = proto_picture_layer_forms[layer->form];
     return proto_problem_refuse_member(query->problem, layer->place, name,
                                        "this kind of surface has no layer \"%s\"; it has: %s", name,
                                        known);
@@ -119,7 +119,7 @@ static bool problem_place(const struct server_picture_layers *layers, uint32_t i
     snprintf(inner, sizeof inner, "%s", from);
     problem->parameter[0] = '\0';
     proto_problem_at(problem, layers->wanted->items[i].place);
-    proto_problem_descend(problem, proto_picture_layer_name(&layers->wanted->items[i]));
+    proto_problem_descend(problem, proto_picture_layer_forms[layers->wanted->items[i].form]);
     size_t length = strlen(problem->pointer);
     snprintf(problem->pointer + length, sizeof problem->pointer - length, "%s", inner);
     return false;
@@ -239,7 +239,7 @@ bool server_picture_layers_decode(struct server_picture_layers *layers, struct s
 {
     const json_t *list = json_object_get(document, "layers");
     for (uint32_t i = 0; i < layers->wanted->count; i++) {
-        const char *name = proto_picture_layer_name(&layers->wanted->items[i]);
+        const char *name = proto_picture_layer_forms[layers->wanted->items[i].form];
         json_t *body = json_object_get(json_array_get(list, i), name);
         if (!layer_decode(layers, query, i, body)) return false;
     }
@@ -278,18 +278,24 @@ struct gd_vec3 *server_drawn_points(struct server_picture_layers *layers,
     return points;
 }
 
+uint32_t *server_drawn_reserve(struct server_picture_layers *layers, struct server_query *query,
+                               uint32_t count, uint64_t points, struct gd_picture_layer *drawn)
+{
+    drawn->points = server_drawn_points(layers, query, points);
+    uint32_t *first = server_query_allocate(query, count + (size_t)1, sizeof *first);
+    if (drawn->points && !first) server_query_refuse(query, GD_BUDGET, "the figure");
+    drawn->first = first;
+    drawn->count = count;
+    return drawn->points ? first : NULL;
+}
+
 struct gd_vec3 *server_drawn_lines(struct server_picture_layers *layers, struct server_query *query,
                                    const uint32_t shape[2], struct gd_picture_layer *drawn)
 {
-    struct gd_vec3 *points = server_drawn_points(layers, query, (uint64_t)shape[0] * shape[1]);
-    uint32_t *first = server_query_allocate(query, shape[0] + (size_t)1, sizeof *first);
-    if (points && !first) server_query_refuse(query, GD_BUDGET, "the figure");
-    if (!points || !first) return NULL;
-    for (uint32_t k = 0; k <= shape[0]; k++) first[k] = k * shape[1];
-    drawn->points = points;
-    drawn->first = first;
-    drawn->count = shape[0];
-    return points;
+    uint32_t *first =
+        server_drawn_reserve(layers, query, shape[0], (uint64_t)shape[0] * shape[1], drawn);
+    for (uint32_t k = 0; first && k <= shape[0]; k++) first[k] = k * shape[1];
+    return first ? (struct gd_vec3 *)drawn->points : NULL;
 }
 
 /* --- lines of an answer ----------------------------------------------------------------------- */
@@ -299,15 +305,11 @@ static bool lines_take(struct server_picture_layers *layers, struct server_query
                        const struct server_array *points, const struct server_array *first,
                        struct gd_picture_layer *drawn)
 {
-    struct gd_vec3 *positions = server_drawn_points(layers, query, points->rows);
-    uint32_t *begin = server_query_allocate(query, first->rows, sizeof *begin);
-    if (!positions) return false;
-    if (!begin) return server_query_refuse(query, GD_BUDGET, "the figure");
-    server_array_copy(points, positions);
+    uint32_t *begin =
+        server_drawn_reserve(layers, query, (uint32_t)first->rows - 1, points->rows, drawn);
+    if (!begin) return false;
+    server_array_copy(points, (struct gd_vec3 *)drawn->points);
     memcpy(begin, first->source, first->rows * sizeof *begin);
-    drawn->points = positions;
-    drawn->first = begin;
-    drawn->count = (uint32_t)first->rows - 1;
     return true;
 }
 
@@ -345,14 +347,19 @@ static bool frames_draw(struct server_picture_layers *layers, struct server_quer
     uint32_t every = layers->wanted->items[i].frames,
              count = (uint32_t)((frames->rows + every - 1) / every);
     double(*rows)[NUMBERS] = server_query_allocate(query, frames->rows, sizeof *rows);
-    uint32_t *first = server_query_allocate(query, count + (size_t)1, sizeof *first);
-    if (!rows || !first) return server_query_refuse(query, GD_BUDGET, "the figure");
+    if (!rows) return server_query_refuse(query, GD_BUDGET, "the figure");
     const struct gd_mesh_summary *summary = gd_mesh_summary(query->surface->mesh);
     double length = FRAME_LENGTH * gd_vec3_length(gd_vec3_sub(summary->max, summary->min));
     frames->read(frames->source, 0, frames->rows, rows);
-    for (uint32_t k = 0; k <= count; k++) first[k] = 2 * k;
     for (int v = 0; v < VECTORS; v++) {
-        struct gd_vec3 *points = server_drawn_points(layers, query, 2 * (uint64_t)count);
+        struct gd_picture_layer *drawn = server_drawn_add(layers, i);
+        *drawn = (struct gd_picture_layer){.id = i,
+                                           .colour = GD_PICTURE_RGB(colours[v]),
+                                           .width = FRAME_WIDTH,
+                                           .hidden = drawn->hidden,
+                                           .ends = GD_LINE_ENDS_ARROWS};
+        struct gd_vec3 *points =
+            server_drawn_lines(layers, query, (const uint32_t[]){count, 2}, drawn);
         if (!points) return false;
         for (uint32_t k = 0; k < count; k++) {
             const double *at = rows[(size_t)k * every], *along = at + 4 + 3 * (ptrdiff_t)v;
@@ -360,15 +367,6 @@ static bool frames_draw(struct server_picture_layers *layers, struct server_quer
             points[2 * k + 1] = gd_vec3_along(points[2 * k], length,
                                               (struct gd_vec3){along[0], along[1], along[2]});
         }
-        struct gd_picture_layer *drawn = server_drawn_add(layers, i);
-        *drawn = (struct gd_picture_layer){.id = i,
-                                           .points = points,
-                                           .first = first,
-                                           .count = count,
-                                           .colour = GD_PICTURE_RGB(colours[v]),
-                                           .width = FRAME_WIDTH,
-                                           .hidden = drawn->hidden,
-                                           .ends = GD_LINE_ENDS_ARROWS};
     }
     return true;
 }

@@ -129,17 +129,13 @@ static bool boundaries_draw(struct server_picture_layers *layers, struct server_
                             uint32_t i)
 {
     const struct gd_mesh *mesh = layers->surface->pieces;
-    uint32_t count = gd_mesh_summary(mesh)->boundaries, *first;
+    uint32_t count = gd_mesh_summary(mesh)->boundaries;
     uint64_t total = 0;
     for (uint32_t k = 0; k < count; k++) total += gd_mesh_boundary(mesh, k).vertices + UINT64_C(1);
-    struct gd_vec3 *points = server_drawn_points(layers, query, total);
-    if (!points) return false;
-    first = server_query_allocate(query, count + (size_t)1, sizeof *first);
-    if (!first) return server_query_refuse(query, GD_BUDGET, "the figure");
     struct gd_picture_layer *drawn = server_drawn_add(layers, i);
-    drawn->points = points;
-    drawn->first = first;
-    drawn->count = count;
+    uint32_t *first = server_drawn_reserve(layers, query, count, total, drawn);
+    if (!first) return false;
+    struct gd_vec3 *points = (struct gd_vec3 *)drawn->points;
     for (uint32_t k = 0; k < count; k++) {
         const struct gd_curve_request request = {.kind = GD_CURVE_BOUNDARY, .boundary = k};
         struct gd_curve curve;
