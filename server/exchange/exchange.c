@@ -83,8 +83,10 @@ static const char *query_split(struct server_exchange *exchange, char *query)
 void server_exchange_drop_state(struct server_exchange *exchange)
 {
     if (exchange->free_state) exchange->free_state(exchange->state);
+    if (exchange->surface) exchange->release_surface(exchange->surface);
     exchange->free_state = NULL;
     exchange->state = NULL;
+    exchange->surface = NULL;
 }
 
 void server_exchange_drop_body(struct server_exchange *exchange)
@@ -104,7 +106,6 @@ void server_exchange_drop_body(struct server_exchange *exchange)
 void server_exchange_end(struct server_exchange *exchange)
 {
     server_exchange_drop_state(exchange);
-    if (exchange->surface) exchange->release_surface(exchange->surface);
     server_body_drop(&exchange->body);
     server_budget_give(exchange->host->budget, SERVER_BUDGET_FLIGHT, exchange->held);
     server_grant_end(&exchange->grant);

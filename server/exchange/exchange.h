@@ -193,7 +193,7 @@ struct server_exchange {
     uint64_t started_ns;
     bool (*work)(struct server_exchange *exchange); /* NULL if not deferred */
     bool (*join)(struct server_exchange *exchange);
-    /* a reference to the surface that was loaded for this exchange, or NULL */
+    /* a reference to the surface in the path, once the handler has found it; freed with `state` */
     struct server_surface *surface;
     void (*release_surface)(struct server_surface *surface); /* set with `surface` */
     size_t held;   /* bytes of SERVER_BUDGET_FLIGHT that the exchange holds until it ends */
@@ -224,7 +224,8 @@ struct server_exchange *server_exchange_create(struct server_host *host,
                                                const char *target);
 void server_exchange_destroy(struct server_exchange *exchange); /* NULL is allowed */
 
-/* Free the handler's state or the answer's body, and release lent bytes. */
+/* Free the handler's state and release its surface; or free the answer's body and release lent
+ * bytes. */
 void server_exchange_drop_state(struct server_exchange *exchange);
 void server_exchange_drop_body(struct server_exchange *exchange);
 

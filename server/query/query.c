@@ -631,7 +631,6 @@ void server_query_handle(struct server_exchange *exchange, const struct server_q
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
     struct server_query *query = server_query_create(kind, exchange, surface);
-    server_surface_release(surface);
     if (!query) {
         server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
         return;

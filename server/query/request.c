@@ -193,31 +193,38 @@ static bool surface_join(struct server_exchange *exchange)
     return joined;
 }
 
-/* Returns the surface if it is in memory. Otherwise returns NULL after deferring the exchange or
- * replying with a problem. */
-static struct server_surface *surface_find(struct server_exchange *exchange)
+/* Finds the surface if it is in memory. Otherwise defers the exchange or replies with a problem. */
+static void surface_find(struct server_exchange *exchange)
 {
     struct server_key key;
-    struct server_surface *surface;
-    if (exchange->surface) return server_surface_retain(exchange->surface);
-    if (!server_request_key(exchange, &key)) return NULL;
-    if (!server_registry_use(exchange->host->api->registry, &key, &surface)) {
+    if (exchange->surface || !server_request_key(exchange, &key)) return;
+    exchange->release_surface = server_surface_release;
+    if (!server_registry_use(exchange->host->api->registry, &key, &exchange->surface))
         reply_absent(exchange);
-        return NULL;
-    }
-    if (!surface) server_exchange_defer(exchange, surface_bring, surface_join);
-    return surface;
+    else if (!exchange->surface)
+        server_exchange_defer(exchange, surface_bring, surface_join);
 }
 
 struct server_surface *server_request_surface(struct server_exchange *exchange)
 {
-    struct server_surface *surface = surface_find(exchange);
+    surface_find(exchange);
+    struct server_surface *surface = exchange->surface;
     if (!surface || !server_exchange_is(exchange, "POST")) return surface;
     const struct server_precondition precondition = server_precondition_read(exchange);
     if (server_precondition_holds(&precondition, surface->record->etag)) return surface;
     server_request_fail(exchange, SERVER_STORE_PRECONDITION);
-    server_surface_release(surface);
     return NULL;
+}
+
+void *server_request_allocate(struct server_exchange *exchange, size_t size,
+                              void (*free_state)(void *state))
+{
+    void *state = calloc(1, size);
+    if (state)
+        server_exchange_keep(exchange, state, free_state);
+    else
+        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
+    return state;
 }
 
 bool server_request_write(struct server_exchange *exchange,

@@ -174,13 +174,8 @@ static bool page_list(struct server_exchange *exchange)
 {
     struct proto_page page;
     if (server_request_page(exchange, &page))
-        page_reply(exchange, exchange->state, &page, PROTO_PAGE_MOST);
+        page_reply(exchange, exchange->surface, &page, PROTO_PAGE_MOST);
     return true;
-}
-
-static void surface_free(void *surface)
-{
-    server_surface_release(surface);
 }
 
 void server_handle_list_fields(struct server_exchange *exchange)
@@ -189,7 +184,6 @@ void server_handle_list_fields(struct server_exchange *exchange)
     if (!server_reply_accepts_json(exchange) || !server_request_page(exchange, &page)) return;
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
-    server_exchange_keep(exchange, surface, surface_free);
     if (!page_reply(exchange, surface, &page, SERVER_REQUEST_SHORT_LIST))
         server_request_list(exchange, page_list);
 }

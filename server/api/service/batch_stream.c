@@ -295,15 +295,11 @@ void server_handle_batch(struct server_exchange *exchange)
         return;
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
-    struct batch *batch = calloc(1, sizeof *batch);
-    if (!batch) {
-        server_surface_release(surface);
-        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
-        return;
-    }
-    *batch = (struct batch){.exchange = exchange, .surface = surface};
+    struct batch *batch = server_request_allocate(exchange, sizeof *batch, batch_free);
+    if (!batch) return;
+    batch->exchange = exchange;
+    batch->surface = server_surface_retain(surface);
     server_reply_writer(exchange, &batch->writer);
-    server_exchange_keep(exchange, batch, batch_free);
     server_exchange_shorten(exchange, options.timeout_ms);
     server_exchange_defer(exchange, batch_work, NULL);
 }

@@ -11,11 +11,6 @@
 #include "server/query/api.h"
 #include "server/query/request.h"
 
-static void content_free(void *surface)
-{
-    server_surface_release(surface);
-}
-
 /* Reads the requested format; replies with a problem if there is none. */
 static bool content_read_format(struct server_exchange *exchange, enum gd_format *format)
 {
@@ -56,7 +51,7 @@ static void content_describe(struct server_exchange *exchange, const struct serv
 
 static bool content_send(struct server_exchange *exchange)
 {
-    const struct server_surface *surface = exchange->state;
+    const struct server_surface *surface = exchange->surface;
     size_t cost = content_cost(surface->mesh), size;
     struct proto_problem problem;
     enum gd_format format;
@@ -96,10 +91,7 @@ void server_handle_get_mesh_content(struct server_exchange *exchange)
 {
     enum gd_format format;
     if (!content_read_format(exchange, &format) || content_is_known(exchange, format)) return;
-    struct server_surface *surface = server_request_surface(exchange);
-    if (!surface) return;
-    server_exchange_keep(exchange, surface, content_free);
-    server_exchange_defer(exchange, content_send, NULL);
+    if (server_request_surface(exchange)) server_exchange_defer(exchange, content_send, NULL);
 }
 
 void server_handle_list_boundaries(struct server_exchange *exchange)
@@ -117,5 +109,4 @@ void server_handle_list_boundaries(struct server_exchange *exchange)
     proto_boundaries_encode(&writer, surface->mesh, after, page.limit);
     server_reply_tag(exchange, surface->record->etag, "json");
     server_reply_json(exchange, 200, &writer);
-    server_surface_release(surface);
 }

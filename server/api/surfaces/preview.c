@@ -12,7 +12,7 @@
 #include "server/surfaces/previews.h"
 
 struct preview_request {
-    struct server_surface *surface;
+    struct server_surface *surface; /* borrowed from the exchange */
     /* NULL means that the mesh is small and needs no simplification */
     struct server_preview *preview;
     uint32_t faces;
@@ -23,7 +23,6 @@ static void request_free(void *state)
 {
     struct preview_request *request = state;
     server_preview_release(request->preview);
-    server_surface_release(request->surface);
     free(request);
 }
 
@@ -158,14 +157,9 @@ void server_handle_get_preview(struct server_exchange *exchange)
         return;
     wanted.surface = server_request_surface(exchange);
     if (!wanted.surface) return;
-    struct preview_request *request = malloc(sizeof *request);
-    if (!request || !find(exchange, &wanted)) {
-        if (!request) server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
-        server_surface_release(wanted.surface);
-        free(request);
-        return;
-    }
+    struct preview_request *request =
+        server_request_allocate(exchange, sizeof *request, request_free);
+    if (!request) return;
     *request = wanted;
-    server_exchange_keep(exchange, request, request_free);
-    server_exchange_defer(exchange, file_send, NULL);
+    if (find(exchange, request)) server_exchange_defer(exchange, file_send, NULL);
 }

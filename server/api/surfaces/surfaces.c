@@ -142,12 +142,7 @@ void server_handle_update_surface(struct server_exchange *exchange)
         !server_request_record(exchange, &listed))
         return;
     server_listed_release(&listed);
-    struct caption *caption = malloc(sizeof *caption);
-    if (!caption) {
-        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
-        return;
-    }
-    server_exchange_keep(exchange, caption, free);
-    if (caption_decode(exchange, caption))
+    struct caption *caption = server_request_allocate(exchange, sizeof *caption, free);
+    if (caption && caption_decode(exchange, caption))
         server_exchange_defer(exchange, update_surface, submit_to_writer);
 }

@@ -242,13 +242,9 @@ static void upload_start(struct server_exchange *exchange, const char *name)
 {
     struct proto_problem problem;
     if (!server_reply_accepts_json(exchange)) return;
-    struct upload *upload = calloc(1, sizeof *upload);
-    if (!upload) {
-        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
-        return;
-    }
+    struct upload *upload = server_request_allocate(exchange, sizeof *upload, upload_free);
+    if (!upload) return;
     strcpy(upload->name, name);
-    server_exchange_keep(exchange, upload, upload_free);
     if (server_reply_check(exchange, upload_parse(exchange, upload, &problem), &problem))
         server_exchange_defer(exchange, upload_build, NULL);
 }

@@ -100,7 +100,6 @@ static void handle_attachment(struct server_exchange *exchange)
     for (size_t i = 0; surface->attachment && i < surface->record->attachment_size; i++)
         proto_write_uint(&writer, ((unsigned char *)surface->attachment)[i]);
     proto_write_array_end(&writer);
-    server_surface_release(surface);
     server_reply_json(exchange, 200, &writer);
 }
 

@@ -83,7 +83,6 @@ static void handle_double(struct server_exchange *exchange)
     const struct toy *toy = surface->object;
     proto_writer_init(&writer, SERVER_DESCRIPTION_MOST);
     proto_write_int(&writer, 2 * toy->number);
-    server_surface_release(surface);
     server_reply_json(exchange, 200, &writer);
 }
 
