@@ -141,51 +141,43 @@ const struct server_query_kind server_query_get_field = {.name = "field",
 
 /* --- list ------------------------------------------------------------------------------------- */
 
-/* Replies with a page. Returns false, without a reply, if the page has more than `most` items. */
-static bool page_reply(struct server_exchange *exchange, struct server_surface *surface,
-                       const struct proto_page *page, uint32_t most)
+static void reply_page(struct server_exchange *exchange, uint32_t limit,
+                       struct server_resource **resources, uint32_t count)
 {
-    struct server_resource *resources[PROTO_PAGE_MOST + 1];
-    struct server_catalogue *catalogue = server_record_catalogue(surface->record);
-    /* one more item than the page has room for; it shows whether there is a next page */
-    uint32_t wanted = page->limit < most ? page->limit + 1 : most + 1,
-             count =
-                 catalogue ? server_catalogue_list(catalogue, page->after, wanted, resources) : 0,
-             written = count < page->limit ? count : page->limit;
-    bool fits = written <= most;
+    uint32_t written = count < limit ? count : limit;
     struct proto_writer writer;
     server_reply_writer(exchange, &writer);
     proto_page_begin(&writer, "fields");
-    for (uint32_t i = 0; i < written && fits; i++) {
+    for (uint32_t i = 0; i < written; i++) {
         struct proto_field_description description = resources[i]->description;
         description.uses = atomic_load(&resources[i]->uses);
-        proto_field_encode_listed(&writer, surface->mesh, &description);
+        proto_field_encode_listed(&writer, exchange->surface->mesh, &description);
     }
-    proto_page_end(&writer, count > page->limit ? resources[page->limit - 1]->id : NULL);
-    for (uint32_t i = 0; i < count; i++) server_resource_release(resources[i]);
-    if (fits)
-        server_reply_json(exchange, 200, &writer);
-    else
-        proto_writer_free(&writer);
-    return fits;
+    proto_page_end(&writer, count > limit ? resources[limit - 1]->id : NULL);
+    server_reply_json(exchange, 200, &writer);
 }
 
-static bool page_list(struct server_exchange *exchange)
+/* Replies with a page of fields. Returns false if the page is too long for an HTTP thread. */
+static bool list_fields(struct server_exchange *exchange)
 {
+    uint32_t most = exchange->work ? PROTO_PAGE_MOST : SERVER_REQUEST_SHORT_LIST;
     struct proto_page page;
-    if (server_request_page(exchange, &page))
-        page_reply(exchange, exchange->surface, &page, PROTO_PAGE_MOST);
-    return true;
+    struct server_resource *resources[PROTO_PAGE_MOST + 1];
+    if (!server_request_page(exchange, &page) || !server_request_surface(exchange)) return true;
+    struct server_catalogue *catalogue = server_record_catalogue(exchange->surface->record);
+    uint32_t wanted = page.limit < most ? page.limit : most;
+    uint32_t count =
+        catalogue ? server_catalogue_list(catalogue, page.after, wanted + 1, resources) : 0;
+    bool is_whole = page.limit <= most || count <= most;
+    if (is_whole) reply_page(exchange, page.limit, resources, count);
+    for (uint32_t i = 0; i < count; i++) server_resource_release(resources[i]);
+    return is_whole;
 }
 
 void server_handle_list_fields(struct server_exchange *exchange)
 {
-    struct proto_page page;
-    if (!server_reply_accepts_json(exchange) || !server_request_page(exchange, &page)) return;
-    struct server_surface *surface = server_request_surface(exchange);
-    if (!surface) return;
-    if (!page_reply(exchange, surface, &page, SERVER_REQUEST_SHORT_LIST))
-        server_request_list(exchange, page_list);
+    if (server_reply_accepts_json(exchange) && !list_fields(exchange))
+        server_request_list(exchange, list_fields);
 }
 
 /* --- delete ----------------------------------------------------------------------------------- */
