@@ -62,18 +62,15 @@ enum server_outcome server_batch_queue_add(struct server_store_sql *sql,
                                              server_sql_integer(order->batch->created))));
 }
 
-static bool on_count(void *user, const struct server_sql_value *row)
-{
-    *(int64_t *)user = row[0].integer;
-    return true;
-}
-
 enum server_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant,
                                              int64_t *count)
 {
-    *count = 0;
-    return sql->run(sql, SERVER_SQL("SELECT count(*) FROM batches WHERE tenant = $1",
-                                    SERVER_VALUES(server_sql_text(tenant)), on_count, count));
+    struct server_sql_integers found = {0};
+    enum server_outcome outcome = sql->run(
+        sql, SERVER_SQL("SELECT count(*) FROM batches WHERE tenant = $1",
+                        SERVER_VALUES(server_sql_text(tenant)), server_sql_on_integers, &found));
+    *count = found.at[0];
+    return outcome;
 }
 
 static bool on_batch(void *user, const struct server_sql_value *row)
@@ -244,7 +241,7 @@ enum server_outcome server_batch_queue_renew(struct server_store_sql *sql,
                                              const struct server_batch_claim *claim,
                                              const char *node)
 {
-    int64_t renewed = -1;
+    struct server_sql_integers renewed = {0};
     enum server_outcome outcome = sql->run(
         sql,
         SERVER_SQL(
@@ -253,8 +250,8 @@ enum server_outcome server_batch_queue_renew(struct server_store_sql *sql,
             " RETURNING item",
             SERVER_VALUES(server_sql_text(claim->id), server_sql_integer(claim->item),
                           server_sql_text(node), server_sql_integer(now_ms() + SERVER_BATCH_LEASE)),
-            on_count, &renewed));
-    return !outcome && renewed < 0 ? SERVER_STORE_ABSENT : outcome;
+            server_sql_on_integers, &renewed));
+    return !outcome && !renewed.rows ? SERVER_STORE_ABSENT : outcome;
 }
 
 enum server_outcome server_batch_queue_return(struct server_store_sql *sql,
