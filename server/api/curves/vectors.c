@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "proto/queries/evaluation.h"
 #include "proto/json/writer.h"
@@ -45,7 +44,8 @@ static void vector_encode(struct proto_writer *writer, const struct proto_vector
 
 /* The vectors of an answer as arrays. NAN stands for null. */
 struct vector_arrays {
-    double *angle, *length, (*direction)[3];
+    double *angle, *length;
+    struct gd_vec3 *direction;
 };
 
 static enum gd_status vector_arrays_reserve(struct server_query *query, uint32_t count,
@@ -55,7 +55,7 @@ static enum gd_status vector_arrays_reserve(struct server_query *query, uint32_t
     if (!numbers) return GD_BUDGET;
     out->angle = numbers;
     out->length = numbers + count;
-    out->direction = (double(*)[3])(numbers + 2 * (size_t)count);
+    out->direction = (struct gd_vec3 *)(numbers + 2 * (size_t)count);
     return GD_OK;
 }
 
@@ -65,10 +65,9 @@ static void vector_arrays_set(const struct vector_arrays *arrays, uint32_t i,
 {
     const struct gd_direction none = {.angle = NAN, .xyz = {NAN, NAN, NAN}};
     const struct gd_direction *at = direction ? direction : &none;
-    const double xyz[3] = {at->xyz.x, at->xyz.y, at->xyz.z};
     arrays->angle[i] = at->angle;
     arrays->length[i] = length;
-    memcpy(arrays->direction[i], xyz, sizeof xyz);
+    arrays->direction[i] = at->xyz;
 }
 
 static void vector_arrays_list(const struct vector_arrays *arrays, uint32_t count,

@@ -23,8 +23,8 @@ struct evaluation {
     double *distances;
     /* nearest members, for an answer as arrays, or UINT32_MAX if there is none */
     uint32_t *members;
-    double (*nearest)[3];  /* the nearest point, or NAN if there is none */
-    double (*gradient)[3]; /* NAN means that there is none */
+    /* the nearest point, and the gradient; NAN means that there is none */
+    struct gd_vec3 *nearest, *gradient;
     struct gd_path *paths; /* for an answer as arrays, if selected */
 };
 
@@ -135,26 +135,18 @@ static enum gd_status result_find_nearest(const struct evaluation *evaluation,
     return GD_OK;
 }
 
-static void xyz_copy(struct gd_vec3 at, double out[3])
-{
-    out[0] = at.x;
-    out[1] = at.y;
-    out[2] = at.z;
-}
-
 /* Stores a result, with its path, for an answer as arrays. `path` is NULL if there is no
  * distance. */
 static enum gd_status result_keep(struct evaluation *evaluation, uint32_t i,
                                   const struct proto_result *result, struct gd_path *path)
 {
     struct server_query *query = &evaluation->query;
-    struct gd_vec3 at = {NAN, NAN, NAN}, gradient = at;
+    const struct gd_vec3 none = {NAN, NAN, NAN};
     bool has_nearest = result && evaluation->wanted & PROTO_EVALUATION_FIELD_NEAREST;
-    if (has_nearest) at = gd_point_position(query->surface->mesh, &result->nearest);
-    if (result && result->has_gradient) gradient = result->gradient.xyz;
     evaluation->members[i] = has_nearest ? result->member : UINT32_MAX;
-    xyz_copy(at, evaluation->nearest[i]);
-    xyz_copy(gradient, evaluation->gradient[i]);
+    evaluation->nearest[i] =
+        has_nearest ? gd_point_position(query->surface->mesh, &result->nearest) : none;
+    evaluation->gradient[i] = result && result->has_gradient ? result->gradient.xyz : none;
     if (!evaluation->paths || !result || !result->path) return GD_OK;
     evaluation->paths[i] = *path;
     *path = (struct gd_path){0};
@@ -242,10 +234,10 @@ static bool evaluation_list_arrays(struct server_query *query)
     server_arrays_add_numbers(&query->arrays, "distance", 0, count, evaluation->distances);
     if (evaluation->wanted & PROTO_EVALUATION_FIELD_NEAREST) {
         server_arrays_add_indices(&query->arrays, "member", 0, count, evaluation->members);
-        server_arrays_add_numbers(&query->arrays, "nearest", 3, count, *evaluation->nearest);
+        server_arrays_add_numbers(&query->arrays, "nearest", 3, count, &evaluation->nearest->x);
     }
     if (evaluation->wanted & PROTO_EVALUATION_FIELD_GRADIENT)
-        server_arrays_add_numbers(&query->arrays, "gradient", 3, count, *evaluation->gradient);
+        server_arrays_add_numbers(&query->arrays, "gradient", 3, count, &evaluation->gradient->x);
     return !evaluation->paths ||
            server_query_list_lines(query, evaluation->paths, sizeof *evaluation->paths, count);
 }

@@ -57,8 +57,9 @@ struct evaluation {
         struct proto_limit_places limit;
     } places;
     uint32_t count;
-    struct gd_detail detail;               /* detail of a failure */
-    double *vectors[VECTORS], *curvatures; /* for an answer as arrays */
+    struct gd_detail detail;          /* detail of a failure */
+    struct gd_vec3 *vectors[VECTORS]; /* for an answer as arrays */
+    double (*curvatures)[2];          /* the same */
 };
 
 static const struct evaluator *evaluator_of(const struct server_query *query)
@@ -73,8 +74,8 @@ static enum gd_status evaluation_allocate(struct evaluation *evaluation)
         server_query_allocate(query, evaluation->count, (3 * VECTORS + 2) * sizeof *numbers);
     if (!numbers) return GD_BUDGET;
     for (int k = 0; k < VECTORS; k++)
-        evaluation->vectors[k] = numbers + 3 * (size_t)evaluation->count * k;
-    evaluation->curvatures = numbers + 3 * (size_t)evaluation->count * VECTORS;
+        evaluation->vectors[k] = (struct gd_vec3 *)numbers + (size_t)evaluation->count * k;
+    evaluation->curvatures = (double(*)[2])(numbers + 3 * (size_t)evaluation->count * VECTORS);
     return GD_OK;
 }
 
@@ -82,11 +83,8 @@ static enum gd_status evaluation_allocate(struct evaluation *evaluation)
 static void evaluation_store(struct evaluation *evaluation, uint32_t i,
                              const struct gd_vec3 vectors[VECTORS], const double curvatures[2])
 {
-    for (int k = 0; k < VECTORS; k++) {
-        const double xyz[3] = {vectors[k].x, vectors[k].y, vectors[k].z};
-        memcpy(evaluation->vectors[k] + 3 * (size_t)i, xyz, sizeof xyz);
-    }
-    memcpy(evaluation->curvatures + 2 * (size_t)i, curvatures, 2 * sizeof *curvatures);
+    for (int k = 0; k < VECTORS; k++) evaluation->vectors[k][i] = vectors[k];
+    memcpy(evaluation->curvatures[i], curvatures, sizeof *evaluation->curvatures);
 }
 
 static bool evaluation_list_arrays(struct server_query *query)
@@ -95,8 +93,9 @@ static bool evaluation_list_arrays(struct server_query *query)
     uint32_t count = evaluation->count;
     for (int k = 0; k < VECTORS; k++)
         server_arrays_add_numbers(&query->arrays, vector_names[k], 3, count,
-                                  evaluation->vectors[k]);
-    server_arrays_add_numbers(&query->arrays, "curvatures", 2, count, evaluation->curvatures);
+                                  (const double *)evaluation->vectors[k]);
+    server_arrays_add_numbers(&query->arrays, "curvatures", 2, count,
+                              (const double *)evaluation->curvatures);
     return true;
 }
 
