@@ -199,19 +199,13 @@ static enum gd_status row_search(const struct matrix_row *row)
     uint32_t count = matrix->columns.count;
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < count && !status; i++) {
-        const struct gd_point *column = &matrix->columns.points[i];
-        const struct server_cached *cached =
-            server_cache_find(matrix->query.surface->fields, column);
-        if (!cached || gd_field_distance(cached->field, row->point, &row->distances[i])) {
-            const struct server_pair pair = {row->point, column, GD_PAIR_DISTANCE};
-            struct server_monitor part = row->monitor;
-            part.share /= count;
-            part.begun += i * part.share;
-            struct gd_pair_answer answer;
-            status = server_pair_search(&part, matrix->query.surface, &pair, &answer);
-            if (!status) row->distances[i] = answer.distance;
-        }
-        server_cache_unpin(cached);
+        const struct server_pair pair = {row->point, &matrix->columns.points[i], GD_PAIR_DISTANCE};
+        struct server_monitor part = row->monitor;
+        struct gd_pair_answer answer;
+        part.share /= count;
+        part.begun += i * part.share;
+        status = server_pair_solve(&part, matrix->query.surface, &pair, &answer);
+        if (!status) row->distances[i] = answer.distance;
     }
     return status;
 }
