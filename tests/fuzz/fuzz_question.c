@@ -4,9 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/queries/curve_distance.h"
-#include "proto/queries/curve_operation.h"
-#include "proto/queries/cut.h"
+#include "proto/queries/curves.h"
 #include "generated/requests.h"
 #include "proto/queries/isoline.h"
 #include "proto/values/spline.h"

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "proto/queries/curve_distance.h"
+#include "proto/queries/curves.h"
 #include "server/query/query.h"
 
 #define SETS_SHARE 0.2 /* fraction of the query's progress for locating the curves */

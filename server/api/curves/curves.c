@@ -6,8 +6,7 @@
 #include <string.h>
 
 #include "gd/frame.h"
-#include "proto/queries/curve_operation.h"
-#include "proto/queries/cut.h"
+#include "proto/queries/curves.h"
 #include "proto/values/curve.h"
 #include "proto/values/spline.h"
 #include "server/exchange/reply.h"

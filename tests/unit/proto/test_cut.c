@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/queries/cut.h"
+#include "proto/queries/curves.h"
 
 DECODER(decode, struct proto_cut_request, proto_cut_request_decode)
 
