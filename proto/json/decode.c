@@ -144,7 +144,7 @@ enum scalar { SCALAR_NUMBER, SCALAR_INDEX };
 static bool check_scalar(const json_t *value, enum scalar scalar, struct proto_problem *problem)
 {
     const char *expected =
-        scalar == SCALAR_INDEX ? "an index, a whole number from 0 to 4294967294" : "a number";
+        scalar == SCALAR_INDEX ? "a whole number from 0 to 4294967294" : "a number";
     if (!json_is_number(value))
         return proto_problem_refuse(problem, "", "expected %s, not %s", expected, type_name(value));
     double number = json_number_value(value);

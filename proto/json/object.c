@@ -96,9 +96,14 @@ bool proto_take_number(const struct proto_object *object, const struct proto_rul
 bool proto_take_index(const struct proto_object *object, const struct proto_rule *rule,
                       uint32_t *out)
 {
-    return is_absent(object, rule) ||
-           (proto_decode_index(object->value, object->place, rule->name, out, object->problem) &&
-            check_value(object, rule, *out));
+    if (is_absent(object, rule)) return true;
+    /* first the limits: their sentence has the valid values */
+    const json_t *value = json_object_get(object->value, rule->name);
+    if (json_is_number(value) && rule->refusal &&
+        !check_value(object, rule, json_number_value(value)))
+        return false;
+    return proto_decode_index(object->value, object->place, rule->name, out, object->problem) &&
+           check_value(object, rule, *out);
 }
 
 bool proto_take_flag(const struct proto_object *object, const struct proto_rule *rule, bool *out)
