@@ -202,13 +202,14 @@ static bool is_result(const struct solving *solving, const struct gd__candidate 
     return turns[0] == wanted[0] && turns[1] == wanted[1];
 }
 
-/* Replaces a path that crosses one of the curves by the candidates of its trimmed part. */
+/* Replaces a path that crosses one of the curves by the candidates of its trimmed part. If the
+ * request has winding numbers, nothing is trimmed: a trimmed path is in another class. */
 static enum gd_status trim_candidate(struct solving *solving, struct gd__candidate *candidate,
                                      bool *trimmed)
 {
     struct gd__path_seed seed;
     *trimmed = false;
-    if (!solving->options.all_minima && !is_chosen(solving->request)) return GD_OK;
+    if (!solving->options.all_minima && !solving->request->initial) return GD_OK;
     if (candidate->trims == TRIMS_MOST) return GD_OK;
     enum gd_status status = gd__trim(solving->task, solving->ends, candidate, trimmed, &seed);
     if (status || !*trimmed) return status;

@@ -170,6 +170,18 @@ class Geodesics(Nurbs):
         for length in (3.980, 7.198, 7.626, 13.836):
             self.assertTrue(any(abs(way["length"] - length) < 0.001 for way in found), length)
 
+    def test_classes_of_paths_to_curves(self):
+        """A path with given winding numbers crosses its curve as often as they require: on the
+        cylinder it runs around the axis, at a right angle to the line of constant u."""
+        line = {"iso": "u", "value": 2.5}
+        for m in (-2, -1, 0, 3):
+            for operation, ends in (("point-curve-distance", {"point": [0, 0.2], "curve": line}),
+                                    ("curve-distance", {"a": {"iso": "u", "value": 0}, "b": line})):
+                with self.subTest(m=m, operation=operation):
+                    turned = self.ask("cylinder", operation, {**ends, "turns": [m, 0]})
+                    self.assertEqual(turned["turns"], [m, 0])
+                    self.assert_near(turned["length"], abs(2.5 + 2 * PI * m))
+
     def test_impossible_classes(self):
         good = {"from": [0, 0], "to": [2.5, 0.2]}
         for pointer, document in (
