@@ -92,7 +92,7 @@ bool server_result_write_listed(struct server_query *query, struct server_answer
     if (!query->kind->list_arrays(query)) return false;
     const struct server_array *points = server_arrays_find(&query->arrays, "points"),
                               *first = server_arrays_find(&query->arrays, "first");
-    if (!points || first->rows < 2)
+    if (!points || !points->rows)
         return server_result_refuse_nothing(query->problem, "the answer has no lines");
     double(*positions)[3] = server_query_allocate(query, points->rows, sizeof *positions);
     if (!positions) return server_query_refuse(query, GD_BUDGET, WHAT);

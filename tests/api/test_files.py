@@ -393,6 +393,8 @@ class Lines(Files):
 
     def test_an_answer_without_lines_is_no_file(self):
         self.assert_problem(self.ask(*self.QUESTIONS[2], "obj&select=labels"), 406, "not_acceptable")
+        without_path = {"start": "v:0", "vectors": [None]}
+        self.assert_problem(self.ask("meshes", "torus", "exp", without_path, "obj"), 406, "not_acceptable")
 
     def test_memory_is_given_back(self):
         for question in self.QUESTIONS:
