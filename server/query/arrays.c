@@ -103,9 +103,11 @@ static size_t type_bytes(enum server_array_type type)
     return type == SERVER_ARRAY_NUMBERS ? sizeof(double) : sizeof(uint32_t);
 }
 
-/* Copies rows of an array of doubles or indices. */
+/* Copies rows of an array of doubles or indices. Without rows, nothing is read: lines_find needs a
+ * line. */
 static void rows_copy(const struct server_array *array, uint64_t first, uint64_t count, void *out)
 {
+    if (!count) return;
     size_t row = (array->columns ? array->columns : 1) * type_bytes(array->type),
            stride = array->stride ? array->stride : row;
     const char *from = (const char *)array->source + first * stride;

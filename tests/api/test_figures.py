@@ -9,7 +9,7 @@ import time
 import unittest
 
 from figure_case import Figure, FigureCase, Projection, SIDE, distance_to_line, dot, length_of, linear, plate, positions_of, subpaths, unit
-from harness import sample
+from harness import sample, TWO_TRIANGLES
 from test_pictures import SVG, Png
 
 
@@ -17,7 +17,7 @@ class FigureTests(FigureCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.meshes = {"plate": plate(), "sphere": sample("icosphere", level=4)}
+        cls.meshes = {"plate": plate(), "sphere": sample("icosphere", level=4), "apart": TWO_TRIANGLES}
         cls.put_all(cls.meshes)
 
     def png(self, layers, mesh="plate", **members):
@@ -121,6 +121,15 @@ class FigureTests(FigureCase):
         self.assertEqual(set(figure.strokes(0)), {"#00ff00"})
         self.assert_drawn([(1.2, 1.2, 0), (2, 2, 0), (1.5, 2.5, 0), *(point for line in lines for point in line["points"])], figure.lines(0), self.projection())
         self.assertGreater(min(distance_to_line(self.projection()((2, 1.5, 0)), line) for line in figure.lines(0)), 10)
+
+    def test_layers_without_lines(self):
+        """A Voronoi diagram of one member has no bisector, and a flat plate has no cut locus of a
+        corner."""
+        corner = {"points": [{"vertex": 0}]}
+        empty = self.posted({"layers": []}, "plate", "png").body
+        for layer in ({"voronoi": {"set": corner}}, {"cut_locus": {"set": corner}}):
+            self.assertEqual(self.posted({"layers": [layer]}, "plate", "png").body, empty)
+        self.refused([{"path": {"from": "v:0", "to": "v:4"}}], "/layers/0/path/to", "apart")
 
     def test_isolines_at_levels_are_circles(self):
         levels = [0.5, 1, 1.5]
@@ -375,6 +384,7 @@ class FigureTests(FigureCase):
         self.refused([], "/camera/direction", camera={"direction": [0, 0, 0]})
         self.refused([], "/camera/up", camera={"up": [0, 0, 0]})
         self.refused([], "/camera/zoom", camera={"zoom": 0.5})
+        self.assertIn("too far", self.refused([], "/camera/target", camera={"zoom": 2, "target": [1e300, 0, 0]}))
         self.refused([], "/camera/view", camera={"view": "under"})
         self.refused([], "/background", background="red")
         self.refused([{"points": [{"vertex": 0}] * 10001}], "/layers/0/points", status=413, code="too_large")

@@ -120,6 +120,15 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
         call.status = format->render(wanted, &call.control, &picture->file, &picture->size);
         call.kept = picture->size;
     }
+    if (call.status == GD_INVALID_ARGUMENT) {
+        /* all other members have been checked */
+        proto_problem_refuse(query->problem, wanted->target ? "/camera/target" : "/layers",
+                             "%s is too far from the surface; it is at most %g times the size of "
+                             "the surface away",
+                             wanted->target ? "the target" : "a point of a layer",
+                             GD_PICTURE_FARTHEST);
+        return SERVER_QUERY_FAILED;
+    }
     if (call.status) return server_query_fail(query, call.status, "the picture");
     query->held -= picture->size; /* the response takes the file over from the exchange */
     query->exchange->held += picture->size;
