@@ -9,14 +9,15 @@
 bool proto_limit_level_decode(const json_t *document, const struct gd_subdivision *surface,
                               uint32_t *out, struct proto_problem *problem)
 {
-    uint32_t least = gd_limit_mesh_least_level(surface), level = gd_limit_mesh_usual_level(surface);
+    uint32_t least = gd_limit_mesh_least_level(surface);
+    double level = gd_limit_mesh_usual_level(surface);
     if (json_object_get(document, "level") &&
-        !proto_decode_index(document, "", "level", &level, problem))
+        !proto_decode_number(document, "", "level", &level, problem))
         return false;
-    if (level < least || level > GD_LIMIT_LEVEL_MOST)
+    if (!(level >= least && level <= GD_LIMIT_LEVEL_MOST && level == floor(level)))
         return proto_problem_refuse(problem, "/level", "the level is a whole number from %u to %d",
                                     least, GD_LIMIT_LEVEL_MOST);
-    *out = level;
+    *out = (uint32_t)level;
     return true;
 }
 
