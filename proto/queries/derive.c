@@ -168,7 +168,7 @@ static bool format_decode(const json_t *document, enum gd_format *out,
 {
     const char *name = json_string_value(json_object_get(document, "format"));
     *out = name ? gd_format_by_name(name) : GD_FORMAT_ANY;
-    return (*out != GD_FORMAT_ANY && *out != GD_FORMAT_JSON) ||
+    return (*out != GD_FORMAT_ANY && *out != GD_FORMAT_JSON && *out != GD_FORMAT_3MF) ||
            proto_problem_refuse(problem, "/format", "expected one of: obj ply off stl glb gltf");
 }
 

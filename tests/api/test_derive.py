@@ -140,6 +140,7 @@ class Derive(TestCase):
                 ({**good, "operations": [{"operation": "smooth", "feature_angle": 181}]}, "/operations/0/feature_angle"),
                 ({**good, "operations": [{"operation": "subdivide", "levels": 7}]}, "/operations/0/levels"),
                 ({**good, "operations": [{"operation": "subdivide", "scheme": "butterfly"}]}, "/operations/0/scheme"),
+                ({"format": "3mf", "operations": [SIMPLIFY]}, "/format"),
                 ({"format": "stp", "operations": [SIMPLIFY]}, "/format"), ({**good, "mesh": "a b"}, "/mesh"),
                 ({"format": "obj", "split": True, "operations": [SIMPLIFY]}, "/split"), ({**good, "split": 1}, "/split"),
                 ({**good, "split": True, "operations": [SIMPLIFY] * 16}, "/operations"),
