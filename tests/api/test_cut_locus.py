@@ -215,6 +215,10 @@ class CutLocus(TestCase):
         field = self.daemon.ask("grid", "fields", {"set": self.RECTANGLE}).json["id"]
         got = self.daemon.request("GET", f"/v1/meshes/grid/fields/{field}/cut-locus?members=segments").json
         self.assertEqual(got["lines"], self.lines("grid", self.RECTANGLE, members="segments"))
+        for limit in (0.1, 1000):
+            field = self.daemon.ask("grid", "fields", {"set": self.RECTANGLE, "max_distance": limit}).json["id"]
+            problem = self.daemon.request("GET", f"/v1/meshes/grid/fields/{field}/cut-locus")
+            self.assertIn("max_distance", self.assert_problem(problem, 400, "invalid_request")["detail"])
 
     def test_nothing_and_refusals(self):
         self.assertEqual(self.lines("square", {"points": [{"vertex": 0}]}), [])

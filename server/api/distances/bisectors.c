@@ -145,6 +145,10 @@ static bool cut_locus_parse(struct server_query *query, const struct proto_param
     if (!server_field_query_of_resource(query) ||
         !proto_get_cut_locus_query_parse(parameters, &wanted, query->problem))
         return false;
+    if (query->field.request.radius > 0)
+        return proto_problem_set(query->problem, PROTO_PROBLEM_INVALID_REQUEST,
+                                 "the field ends at its max_distance, but a cut locus needs all "
+                                 "distances; send the set to POST /v1/meshes/{name}/cut-locus");
     cut_locus_choose(query, wanted.members, wanted.has_tolerance ? wanted.tolerance : 0,
                      wanted.has_min_angle ? wanted.min_angle : 0);
     return true;
