@@ -217,13 +217,19 @@ static enum gd_status mesh_connect_growing(struct build *build)
     return most > cost ? step_run(build, mesh_connect, most) : status;
 }
 
-/* Appends the remedy, unless the engine's sentence already contains it. */
-static void mesh_suggest_split(struct proto_problem *problem)
+/* Appends the remedy, unless the engine's sentence or the request already contains it. */
+static void mesh_suggest_split(const struct build *build, enum gd_status status)
 {
+    bool is_joined = status == GD_NON_MANIFOLD_EDGE || status == GD_NON_MANIFOLD_VERTEX,
+         is_faulty = status == GD_DEGENERATE_FACE || status == GD_DUPLICATE_FACE;
+    struct proto_problem *problem = build->builder->problem;
     size_t length = strlen(problem->detail);
-    if (!strstr(problem->detail, "repair=split"))
-        snprintf(problem->detail + length, sizeof problem->detail - length,
-                 "; upload with ?repair=split to separate them");
+    if ((!is_joined && !is_faulty) || build->mesh_options.build.repair_split ||
+        strstr(problem->detail, "repair=split"))
+        return;
+    snprintf(problem->detail + length, sizeof problem->detail - length, "%s",
+             is_joined ? "; upload with ?repair=split to separate them"
+                       : ", or upload with ?repair=split");
 }
 
 static enum gd_status mesh_build(const struct server_builder *builder, struct server_built *out)
@@ -238,8 +244,7 @@ static enum gd_status mesh_build(const struct server_builder *builder, struct se
     enum gd_status status = build_read(&build, mesh_read, cost, 0.2);
     if (!status) status = mesh_connect_growing(&build);
     status = build_end(&build, status, out);
-    if (status == GD_NON_MANIFOLD_EDGE || status == GD_NON_MANIFOLD_VERTEX)
-        mesh_suggest_split(builder->problem);
+    mesh_suggest_split(&build, status);
     return status;
 }
 

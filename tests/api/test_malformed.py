@@ -199,7 +199,9 @@ class Malformed(TestCase):
 
     def test_a_problem_names_the_remedy(self):
         crowded = SQUARE + b"v 0 0 1\nf 1 3 5\n"
-        for query, file, remedy in (("", crowded, "?repair=split"), ("", BOW_TIE, "?repair=split"), ("?weld=0", crowded, "?repair=split")):
+        doubled, flat, short = SQUARE + b"f 1 2 3\n", SQUARE + b"v 0.5 0 0\nf 2 1 5\n", SQUARE + b"v 0 0 0\nf 1 2 5\n"
+        for query, file, remedy in (("", crowded, "?repair=split"), ("", BOW_TIE, "?repair=split"), ("?weld=0", crowded, "?repair=split"),
+                                    ("", doubled, "?repair=split"), ("", flat, "?repair=split"), ("", short, "?repair=split")):
             problem = self.assert_problem(self.daemon.put("bad", file, query), 422, "invalid_mesh")
             self.assertIn(remedy, problem["detail"])
             self.assertEqual(self.daemon.put("mended", file, (query or "?") + "&repair=split").status // 100, 2)
