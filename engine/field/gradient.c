@@ -102,16 +102,47 @@ static struct direction from_close_seed(const struct gd_field *field, const stru
     return (struct direction){close.side, close.way.x, close.way.y};
 }
 
+/* Returns true if the point lies on the segment from which the leg comes. The leg then has no
+ * length, and its wedge lies on the segment itself. */
+static bool is_on_segment(const struct gd_field *field, const struct gd__leg *leg,
+                          const struct gd_point *point)
+{
+    if (!gd__source_is_linear(leg->source)) return false;
+    const struct gd__seed *seed = &field->seeds[gd__field_seed_of(field, leg->source)];
+    uint32_t edge = leg->side >> 1;
+    return gd__point_is_on_edge(field->mesh, point, edge) &&
+           gd__point_is_on_edge(field->mesh, &seed->point, edge) &&
+           gd__point_is_on_edge(field->mesh, &seed->end, edge);
+}
+
 static struct direction of_leg(const struct gd_field *field, const struct gd__leg *leg,
                                const struct gd_point *point)
 {
     if (point->kind == GD_POINT_VERTEX) return at_vertex(field, point->element);
+    if (leg->kind == GD__LEG_WEDGE && is_on_segment(field, leg, point))
+        return (struct direction){0};
     if (leg->kind == GD__LEG_WEDGE) return through_wedge(field->mesh, leg, point);
     if (leg->kind == GD__LEG_CLOSE) return from_close_seed(field, leg, point);
     struct gd_point corner = {.kind = GD_POINT_VERTEX, .element = leg->from};
     const struct gd__seed *seed = leg->kind == GD__LEG_SEED ? &field->seeds[leg->from] : NULL;
     if (seed && seed->is_segment) return from_chord(field->mesh, leg->face, seed, point);
     return direction_between(field->mesh, leg->face, seed ? &seed->point : &corner, point);
+}
+
+/* A path arrives at a point of a boundary edge from inside. Rounding may turn its direction across
+ * the boundary by the angle in which wedges are stored, over the length of the leg. The direction is
+ * then along the boundary. */
+static struct gd_vec3 inside_boundary(const struct gd_mesh *mesh, const struct gd_point *point,
+                                      struct gd_vec3 gradient)
+{
+    if (point->kind != GD_POINT_EDGE) return gradient;
+    for (uint32_t side = 2 * point->element; side < 2 * point->element + 2; side++) {
+        struct gd__axes axes = gd__axes_of_side(mesh, side);
+        if (!gd__side_is_boundary(mesh, side ^ 1) || gd_vec3_dot(gradient, axes.across) <= 0)
+            continue;
+        return gd_vec3_scale(axes.along, copysign(1, gd_vec3_dot(gradient, axes.along)));
+    }
+    return gradient;
 }
 
 enum gd_status gd_field_gradient(const struct gd_field *field, const struct gd_point *point,
@@ -125,6 +156,6 @@ enum gd_status gd_field_gradient(const struct gd_field *field, const struct gd_p
     struct gd_vec3 gradient = in_space(field->mesh, &direction);
     /* for a very short leg the square underflows */
     if (!isfinite(gd_vec3_length(gradient))) return GD_INVALID_ARGUMENT;
-    *out = gradient;
+    *out = inside_boundary(field->mesh, point, gradient);
     return GD_OK;
 }

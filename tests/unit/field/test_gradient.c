@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "gd/direction.h"
 #include "gd/field.h"
 #include "tests/samples/samples.h"
 #include "tests/support/field.h"
@@ -119,12 +120,78 @@ static void points_without_a_gradient(void **state)
     gd_mesh_release(mesh);
 }
 
+/* On a curve along an edge there is no gradient, whether the edge is inside or on the boundary. */
+static void no_gradient_on_a_curve(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_grid(2, 2, 1, 1, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    uint32_t faces = gd_mesh_summary(mesh)->faces;
+    for (uint32_t i = 0; i < 3 * faces; i++) {
+        double at[4][3] = {{0}};
+        for (int k = 0; k < 4; k++) {
+            at[k][i % 3] = 0.2 + 0.2 * k;
+            at[k][(i + 1) % 3] = 0.8 - 0.2 * k;
+        }
+        struct gd_point point[4];
+        for (int k = 0; k < 4; k++)
+            point[k] = test_point(mesh, (struct test_place){i / 3, {at[k][0], at[k][1], at[k][2]}});
+        struct gd_seed seeds[3] = {
+            {.point = point[0], .offset = 0.25},
+            {.point = point[0], .end = point[3], .is_segment = true, .offset = 0.25},
+            {.point = point[3], .offset = 0.25}};
+        struct gd_field *field = test_field(mesh, seeds, 3, 0);
+        for (int k = 0; k < 4; k++) {
+            struct gd_vec3 gradient;
+            assert_true(test_distance(field, &point[k]) == 0.25);
+            assert_int_equal(gd_field_gradient(field, &point[k], &gradient), GD_INVALID_ARGUMENT);
+        }
+        gd_field_release(field);
+    }
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* A path bends at a boundary vertex by a small angle, and ends on the boundary close behind it. The
+ * direction of its last leg must not lead over the boundary. */
+static void directions_stay_inside_the_boundary(void **state)
+{
+    (void)state;
+    struct rng rng = {5};
+    for (int s = 0; s < POINTS; s++) {
+        double turn = 6 * rng_unit(&rng), positions[5][3] = {{0}};
+        for (int k = 0; k < 4; k++) {
+            positions[k + 1][0] = cos(turn + k * M_PI / 2);
+            positions[k + 1][1] = sin(turn + k * M_PI / 2);
+        }
+        uint32_t corners[9] = {0, 1, 2, 0, 2, 3, 0, 3, 4};
+        struct gd_polygons fan = {
+            .positions = positions, .position_count = 5, .polygon_count = 3, .corners = corners};
+        struct gd_mesh *mesh = test_mesh(&fan);
+        double bend = pow(10, -5 * rng_unit(&rng)), r = 0.5 * rng_unit(&rng),
+               t = pow(10, -4 - 8 * rng_unit(&rng));
+        struct test_place from = {0, {1 - r, r * bend, r - r * bend}}, to = {2, {1 - t, 0, t}};
+        struct gd_seed seed = {.point = test_point(mesh, from)};
+        struct gd_point point = test_point(mesh, to);
+        struct gd_field *field = test_field(mesh, &seed, 1, 0);
+        struct gd_vec3 gradient;
+        struct gd_direction back;
+        check_ok(gd_field_gradient(field, &point, &gradient), NULL);
+        check_ok(gd_direction_along(mesh, &point, gd_vec3_scale(gradient, -1), &back, NULL), NULL);
+        gd_field_release(field);
+        gd_mesh_release(mesh);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(in_the_plane),
         cmocka_unit_test(paths_start_against_the_gradient),
         cmocka_unit_test(points_without_a_gradient),
+        cmocka_unit_test(no_gradient_on_a_curve),
+        cmocka_unit_test(directions_stay_inside_the_boundary),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
