@@ -1898,7 +1898,7 @@ export type SmoothRequest = {
   iterations?: number;
   along?: ("tangent" | "normal" | "both");
   /**
-   * Angle in degrees. If the normals of two faces differ by at least this angle, their common edge
+   * Angle in degrees. If the normals of two faces differ by more than this angle, their common edge
    * does not move.
    */
   feature_angle?: number;
