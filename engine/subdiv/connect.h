@@ -10,18 +10,23 @@ struct gd__edge_key {
     uint32_t side;
 };
 
-/* Creates the net without tags: points, faces, twins, and an infinitely sharp boundary. Sets *edges
- * to an array of all sides, sorted by edge. The caller frees *edges and *net. If all faces have
- * `arity` (4 or 3) corners, the net has no `first`. Errors: those of gd_subdivision_create that
+struct gd__connecting {
+    struct gd__arrays *arrays;  /* the arrays of the net */
+    struct gd__arrays scratch;  /* freed by the caller, also after a failure */
+    struct gd__edge_key *edges; /* all sides, sorted by edge; set by gd__net_connect */
+};
+
+/* Creates the net without tags: points, faces, twins, and an infinitely sharp boundary. If all faces
+ * have `arity` (4 or 3) corners, the net has no `first`. Errors: those of gd_subdivision_create that
  * concern points and faces. */
 GD_MUST_USE enum gd_status gd__net_connect(const struct gd_polygons *polygons, uint32_t arity,
-                                           struct gd__net *net, struct gd__edge_key **edges,
+                                           struct gd__connecting *connecting, struct gd__net *net,
                                            struct gd_detail *detail);
 
 /* Applies the tags and the boundary rule to a net of gd__net_connect. Errors: those of
  * gd_subdivision_create that concern tags. */
 GD_MUST_USE enum gd_status gd__apply_tags(const struct gd_control_mesh *mesh,
-                                          const struct gd__edge_key *edges, struct gd__net *net,
+                                          struct gd__connecting *connecting, struct gd__net *net,
                                           struct gd_detail *detail);
 
 #endif

@@ -213,8 +213,8 @@ static enum gd_status plan(const struct gd_subdivision *surface,
         options->max_faces && options->max_faces < FACES_MOST ? options->max_faces : FACES_MOST;
     uint32_t level = options->level - (surface->split_first && options->level > 0);
     enum gd_status status = gd__tiling_create(surface, level, out);
-    if (status) return status;
-    if (options->tolerance > 0) status = chordal_levels(surface, options->tolerance, control, out);
+    if (!status && options->tolerance > 0)
+        status = chordal_levels(surface, options->tolerance, control, out);
     if (status == GD_TOO_LARGE)
         gd_fail(detail, status,
                 "a tolerance of %g asks for more than %d halvings: choose a larger one",
@@ -227,7 +227,6 @@ static enum gd_status plan(const struct gd_subdivision *surface,
                 "that would be %llu triangles, and at most %u are allowed: choose a coarser level",
                 (unsigned long long)out->triangles, most);
     }
-    if (status) gd__tiling_free(out);
     return status;
 }
 
@@ -368,11 +367,10 @@ enum gd_status gd_discretize(const struct gd_subdivision *surface,
     struct gd_discretization made = {0};
     enum gd_status status = check_options(surface, options, detail);
     if (!status) status = plan(surface, options, control, &tiling, detail);
-    if (status) return status;
-    status = discretize_create(&tiling, control, &made);
+    if (!status) status = discretize_create(&tiling, control, &made);
     if (!status) status = place_vertices(&tiling, control, &made);
     if (!status) status = tile(&tiling, control, &made);
-    gd__tiling_free(&tiling);
+    gd__arrays_free(&tiling.arrays);
     if (status)
         gd_discretization_free(&made);
     else

@@ -1,54 +1,15 @@
 #include "subdiv/net.h"
 
-#include <stdlib.h>
-
-enum {
-    PER_SIDE = 3 * sizeof(uint32_t) + sizeof(float),
-    PER_POINT = sizeof(struct gd_vec3) + sizeof(float)
-};
-
-size_t gd__net_size(size_t points, size_t faces, size_t sides, bool polygons)
+void gd__net_create(struct gd__net *net, struct gd__arrays *arrays, uint32_t arity, size_t points,
+                    size_t sides)
 {
-    return points * PER_POINT + sides * PER_SIDE +
-           (polygons ? (faces + 1 + sides) * sizeof(uint32_t) : 0);
-}
-
-enum gd_status gd__net_create(struct gd__net *net, uint32_t arity, size_t points, size_t faces,
-                              size_t sides, bool polygons)
-{
-    struct gd__net made = {.arity = arity};
-    made.points = malloc((points + 1) * sizeof *made.points);
-    made.corner = calloc(points + 1, sizeof *made.corner);
-    made.origin = malloc((sides + 1) * sizeof *made.origin);
-    made.twin = malloc((sides + 1) * sizeof *made.twin);
-    made.edge = malloc((sides + 1) * sizeof *made.edge);
-    made.sharpness = calloc(sides + 1, sizeof *made.sharpness);
-    bool whole =
-        made.points && made.corner && made.origin && made.twin && made.edge && made.sharpness;
-    if (polygons) {
-        made.first = malloc((faces + 1) * sizeof *made.first);
-        made.face_of = malloc((sides + 1) * sizeof *made.face_of);
-        whole = whole && made.first && made.face_of;
-    }
-    if (!whole) {
-        gd__net_free(&made);
-        return GD_NO_MEMORY;
-    }
-    *net = made;
-    return GD_OK;
-}
-
-void gd__net_free(struct gd__net *net)
-{
-    free(net->points);
-    free(net->corner);
-    free(net->first);
-    free(net->origin);
-    free(net->twin);
-    free(net->edge);
-    free(net->sharpness);
-    free(net->face_of);
-    *net = (struct gd__net){0};
+    *net = (struct gd__net){.arity = arity};
+    net->points = gd__arrays_take(arrays, points, sizeof *net->points);
+    net->corner = gd__arrays_zeroed(arrays, points, sizeof *net->corner);
+    net->origin = gd__arrays_take(arrays, sides, sizeof *net->origin);
+    net->twin = gd__arrays_take(arrays, sides, sizeof *net->twin);
+    net->edge = gd__arrays_take(arrays, sides, sizeof *net->edge);
+    net->sharpness = gd__arrays_zeroed(arrays, sides, sizeof *net->sharpness);
 }
 
 /* Returns the side at the clockwise end of the fan, or `side` itself if the fan is closed. */

@@ -10,9 +10,11 @@
 
 #include <stdbool.h>
 
+#include "base/arrays.h"
 #include "gd/control_mesh.h"
 #include "gd/vec.h"
 
+/* The arrays belong to the gd__arrays with which the net was created. */
 struct gd__net {
     uint32_t arity;
     uint32_t point_count, face_count, side_count;
@@ -33,15 +35,10 @@ struct gd__net {
     uint32_t *face_of; /* for each side, its face; NULL if `first` is NULL */
 };
 
-/* Allocates a net with room for the given numbers of points, faces and sides, and sets its counts
- * to zero. If `polygons`, also allocates `first` and `face_of`. Error: GD_NO_MEMORY (nothing is
- * allocated). */
-GD_MUST_USE enum gd_status gd__net_create(struct gd__net *net, uint32_t arity, size_t points,
-                                          size_t faces, size_t sides, bool polygons);
-void gd__net_free(struct gd__net *net);
-
-/* Returns the bytes that gd__net_create allocates. */
-size_t gd__net_size(size_t points, size_t faces, size_t sides, bool polygons);
+/* Creates a net with room for the given numbers of points and sides, in `arrays`. Its counts are
+ * zero, and `first` and `face_of` are NULL. */
+void gd__net_create(struct gd__net *net, struct gd__arrays *arrays, uint32_t arity, size_t points,
+                    size_t sides);
 
 static inline uint32_t gd__face_of(const struct gd__net *net, uint32_t side)
 {

@@ -10,23 +10,21 @@
 enum { SIDES_MOST = 1 << 26 };
 
 /* Refines a mesh with polygons once, so that all base faces are quads. */
-static enum gd_status subdivision_split(struct gd_subdivision *surface, struct gd__net *control)
+static enum gd_status subdivision_split(struct gd_subdivision *surface, struct gd__net *control,
+                                        struct gd__arrays *scratch)
 {
-    uint32_t edges = gd__number_edges(control);
-    struct gd__fan fan = {.sides = malloc((control->side_count + (size_t)1) * sizeof *fan.sides)};
-    surface->split_first = malloc((control->face_count + (size_t)1) * sizeof *surface->split_first);
-    enum gd_status status = fan.sides && surface->split_first ? GD_OK : GD_NO_MEMORY;
-    size_t points = (size_t)control->point_count + edges + control->face_count;
-    if (!status)
-        status = gd__net_create(&surface->base, 4, points, control->side_count,
-                                4 * (size_t)control->side_count, false);
-    if (!status) {
-        for (uint32_t face = 0; face <= control->face_count; face++)
-            surface->split_first[face] = gd__face_first(control, face);
-        gd__net_refine(control, control->point_count, &fan, &surface->base);
-    }
-    free(fan.sides);
-    return status;
+    struct gd__arrays *arrays = &surface->arrays;
+    size_t points = (size_t)control->point_count + gd__number_edges(control) + control->face_count;
+    struct gd__fan fan = {.sides =
+                              gd__arrays_take(scratch, control->side_count, sizeof *fan.sides)};
+    gd__net_create(&surface->base, arrays, 4, points, 4 * (size_t)control->side_count);
+    surface->split_first =
+        gd__arrays_take(arrays, control->face_count + (size_t)1, sizeof *surface->split_first);
+    if (scratch->status || arrays->status) return GD_NO_MEMORY;
+    for (uint32_t face = 0; face <= control->face_count; face++)
+        surface->split_first[face] = gd__face_first(control, face);
+    gd__net_refine(control, control->point_count, &fan, &surface->base);
+    return GD_OK;
 }
 
 /* For each point, the number of its edges, and whether it is on the boundary. A boundary point has
@@ -36,18 +34,17 @@ struct census {
     bool *open;
 };
 
-static enum gd_status take_census(const struct gd__net *net, struct census *out)
+static struct census take_census(const struct gd__net *net, struct gd__arrays *scratch)
 {
-    *out = (struct census){calloc(net->point_count + (size_t)1, sizeof *out->edges),
-                           calloc(net->point_count + (size_t)1, sizeof *out->open)};
-    if (!out->edges || !out->open) return GD_NO_MEMORY;
-    for (uint32_t side = 0; side < net->side_count; side++) {
-        out->edges[net->origin[side]]++;
+    struct census census = {gd__arrays_zeroed(scratch, net->point_count, sizeof *census.edges),
+                            gd__arrays_zeroed(scratch, net->point_count, sizeof *census.open)};
+    for (uint32_t side = 0; !scratch->status && side < net->side_count; side++) {
+        census.edges[net->origin[side]]++;
         if (net->twin[side] != GD_NONE) continue;
-        out->edges[gd__side_end(net, side)]++;
-        out->open[net->origin[side]] = true;
+        census.edges[gd__side_end(net, side)]++;
+        census.open[net->origin[side]] = true;
     }
-    return GD_OK;
+    return census;
 }
 
 static uint32_t largest_valence(const struct gd__net *net, const struct census *census,
@@ -76,10 +73,10 @@ static uint32_t count_extraordinary(const struct gd__net *net, const struct cens
     return count;
 }
 
-static uint32_t count_loops(const struct gd__net *net)
+static uint32_t count_loops(const struct gd__net *net, struct gd__arrays *scratch)
 {
     uint32_t loops = 0;
-    bool *seen = calloc(net->side_count, sizeof *seen);
+    bool *seen = gd__arrays_zeroed(scratch, net->side_count, sizeof *seen);
     for (uint32_t begin = 0; seen && begin < net->side_count; begin++) {
         if (net->twin[begin] != GD_NONE || seen[begin]) continue;
         loops++;
@@ -89,9 +86,7 @@ static uint32_t count_loops(const struct gd__net *net)
             while (net->twin[side] != GD_NONE) side = gd__net_next(net, net->twin[side]);
         }
     }
-    uint32_t found = seen ? loops : GD_NONE;
-    free(seen);
-    return found;
+    return loops;
 }
 
 static void count_edges(const struct gd__net *net, const struct gd_control_mesh *mesh,
@@ -110,26 +105,23 @@ static void count_edges(const struct gd__net *net, const struct gd_control_mesh 
 }
 
 static enum gd_status summarise(struct gd_subdivision *surface, struct gd__net *control,
-                                const struct gd_control_mesh *mesh)
+                                const struct gd_control_mesh *mesh, struct gd__arrays *scratch)
 {
-    struct census census;
-    enum gd_status status = take_census(control, &census);
-    uint32_t largest = status ? 0 : largest_valence(control, &census, surface->rules->valence);
-    uint32_t loops = status ? 0 : count_loops(control);
-    if (!status) surface->valences = malloc((largest + (size_t)1) * sizeof *surface->valences);
-    if (!surface->valences || loops == GD_NONE) status = GD_NO_MEMORY;
-    if (!status) {
-        struct gd_subdivision_summary *summary = &surface->summary;
-        count_edges(control, mesh, gd__number_edges(control), summary);
-        summary->boundary_loops = loops;
-        summary->extraordinary_count = count_extraordinary(
-            control, &census, surface->rules->valence, largest, surface->valences);
-        summary->extraordinary = surface->valences;
-        surface->largest_valence = largest;
-    }
-    free(census.edges);
-    free(census.open);
-    return status;
+    struct gd_subdivision_summary *summary = &surface->summary;
+    struct census census = take_census(control, scratch);
+    summary->boundary_loops = count_loops(control, scratch);
+    if (scratch->status) return scratch->status;
+    uint32_t regular = surface->rules->valence,
+             largest = largest_valence(control, &census, regular);
+    surface->largest_valence = largest;
+    surface->valences =
+        gd__arrays_take(&surface->arrays, largest + (size_t)1, sizeof *surface->valences);
+    if (!surface->valences) return GD_NO_MEMORY;
+    count_edges(control, mesh, gd__number_edges(control), summary);
+    summary->extraordinary_count =
+        count_extraordinary(control, &census, regular, largest, surface->valences);
+    summary->extraordinary = surface->valences;
+    return GD_OK;
 }
 
 /* Updates the largest valence after polygons were split. The middle of each polygon becomes a
@@ -151,16 +143,13 @@ static struct gd__box joined(struct gd__box a, struct gd__box b)
 
 /* Computes the box of each face's one-ring: first the boxes of each face's corners, then their
  * union around each point, then the union over each face's points. */
-static enum gd_status make_boxes(struct gd_subdivision *surface)
+static enum gd_status make_boxes(struct gd_subdivision *surface, struct gd__arrays *scratch)
 {
     const struct gd__net *base = &surface->base;
     const struct gd__box none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    struct gd__box *around = malloc((base->point_count + (size_t)1) * sizeof *around);
-    surface->boxes = malloc(base->face_count * sizeof *surface->boxes);
-    if (!around || !surface->boxes) {
-        free(around);
-        return GD_NO_MEMORY;
-    }
+    struct gd__box *around = gd__arrays_take(scratch, base->point_count, sizeof *around);
+    surface->boxes = gd__arrays_take(&surface->arrays, base->face_count, sizeof *surface->boxes);
+    if (!around || !surface->boxes) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < base->point_count; i++) around[i] = none;
     for (uint32_t face = 0; face < base->face_count; face++) {
         const uint32_t *corners = base->origin + (size_t)base->arity * face;
@@ -178,7 +167,6 @@ static enum gd_status make_boxes(struct gd_subdivision *surface)
             surface->boxes[face] =
                 joined(surface->boxes[face], around[base->origin[base->arity * face + k]]);
     }
-    free(around);
     return GD_OK;
 }
 
@@ -192,22 +180,22 @@ static void subdivision_measure(struct gd_subdivision *surface)
 }
 
 static enum gd_status subdivision_adopt(struct gd_subdivision *surface, struct gd__net *control,
-                                        const struct gd_control_mesh *mesh)
+                                        const struct gd_control_mesh *mesh,
+                                        struct gd__arrays *scratch)
 {
     surface->control_faces = control->face_count;
-    enum gd_status status = summarise(surface, control, mesh);
+    enum gd_status status = summarise(surface, control, mesh, scratch);
     if (status) return status;
     if (control->first) {
-        status = subdivision_split(surface, control);
+        status = subdivision_split(surface, control, scratch);
+        if (status) return status;
         widen_valence(surface);
         surface->control = *control;
     } else {
         surface->base = *control;
     }
-    *control = (struct gd__net){0};
-    if (status) return status;
     surface->base_edges = gd__number_edges(&surface->base);
-    status = make_boxes(surface);
+    status = make_boxes(surface, scratch);
     if (!status) subdivision_measure(surface);
     return status;
 }
@@ -216,14 +204,13 @@ static enum gd_status subdivision_build(struct gd_subdivision *surface,
                                         const struct gd_control_mesh *mesh,
                                         struct gd_detail *detail)
 {
-    struct gd__net control = {0};
-    struct gd__edge_key *edges = NULL;
+    struct gd__net control;
+    struct gd__connecting connecting = {.arrays = &surface->arrays};
     enum gd_status status =
-        gd__net_connect(&mesh->polygons, surface->rules->arity, &control, &edges, detail);
-    if (!status) status = gd__apply_tags(mesh, edges, &control, detail);
-    free(edges);
-    if (!status) status = subdivision_adopt(surface, &control, mesh);
-    gd__net_free(&control);
+        gd__net_connect(&mesh->polygons, surface->rules->arity, &connecting, &control, detail);
+    if (!status) status = gd__apply_tags(mesh, &connecting, &control, detail);
+    if (!status) status = subdivision_adopt(surface, &control, mesh, &connecting.scratch);
+    gd__arrays_free(&connecting.scratch);
     return status;
 }
 
@@ -265,22 +252,13 @@ void gd_subdivision_release(const struct gd_subdivision *surface)
 {
     if (!surface || !gd__references_drop(&surface->references)) return;
     struct gd_subdivision *shared = (struct gd_subdivision *)surface;
-    gd__net_free(&shared->base);
-    gd__net_free(&shared->control);
-    free(shared->split_first);
-    free(shared->valences);
-    free(shared->boxes);
+    gd__arrays_free(&shared->arrays);
     free(shared);
 }
 
 size_t gd_subdivision_memsize(const struct gd_subdivision *surface)
 {
-    const struct gd__net *base = &surface->base, *control = &surface->control;
-    return sizeof *surface + base->face_count * sizeof *surface->boxes +
-           gd__net_size(base->point_count, base->face_count, base->side_count, false) +
-           gd__net_size(control->point_count, control->face_count, control->side_count, true) +
-           (surface->split_first ? (surface->control_faces + 1) * sizeof(uint32_t) : 0) +
-           surface->largest_valence * sizeof(struct gd_valence);
+    return sizeof *surface + surface->arrays.held;
 }
 
 enum gd_scheme gd_subdivision_scheme(const struct gd_subdivision *surface)

@@ -88,18 +88,16 @@ static enum gd_status apply_boundary(enum gd_interpolate_boundary rule, const ui
     return GD_OK;
 }
 
-enum gd_status gd__apply_tags(const struct gd_control_mesh *mesh, const struct gd__edge_key *edges,
+enum gd_status gd__apply_tags(const struct gd_control_mesh *mesh, struct gd__connecting *connecting,
                               struct gd__net *net, struct gd_detail *detail)
 {
-    uint32_t *faces = calloc(net->point_count + (size_t)1, sizeof *faces);
-    if (!faces) return GD_NO_MEMORY;
+    uint32_t *faces = gd__arrays_zeroed(&connecting->scratch, net->point_count, sizeof *faces);
+    if (!faces) return connecting->scratch.status;
     for (uint32_t side = 0; side < net->side_count; side++) faces[net->origin[side]]++;
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; !status && i < mesh->crease_count; i++)
-        status = apply_crease(&mesh->creases[i], i, edges, net, detail);
+        status = apply_crease(&mesh->creases[i], i, connecting->edges, net, detail);
     for (uint32_t i = 0; !status && i < mesh->corner_count; i++)
         status = apply_corner(&mesh->corners[i], i, faces, net, detail);
-    if (!status) status = apply_boundary(mesh->boundary, faces, net, detail);
-    free(faces);
-    return status;
+    return status ? status : apply_boundary(mesh->boundary, faces, net, detail);
 }

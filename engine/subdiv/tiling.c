@@ -1,36 +1,21 @@
 #include "subdiv/tiling.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum gd_status gd__tiling_create(const struct gd_subdivision *surface, uint32_t level,
                                  struct gd__tiling *out)
 {
     const struct gd__net *base = &surface->base;
-    struct gd__tiling made = {.surface = surface};
-    made.face_level = malloc(base->face_count);
-    made.edge_level = malloc(surface->base_edges);
-    made.point = malloc(base->point_count * sizeof *made.point);
-    made.edge_first = malloc(surface->base_edges * sizeof *made.edge_first);
-    made.face_first = malloc(base->face_count * sizeof *made.face_first);
-    if (!made.face_level || !made.edge_level || !made.point || !made.edge_first ||
-        !made.face_first) {
-        gd__tiling_free(&made);
-        return GD_NO_MEMORY;
-    }
-    memset(made.face_level, (int)level, base->face_count);
-    *out = made;
-    return GD_OK;
-}
-
-void gd__tiling_free(struct gd__tiling *tiling)
-{
-    free(tiling->face_level);
-    free(tiling->edge_level);
-    free(tiling->point);
-    free(tiling->edge_first);
-    free(tiling->face_first);
-    *tiling = (struct gd__tiling){0};
+    struct gd__arrays *arrays = &out->arrays;
+    uint32_t edges = surface->base_edges;
+    *out = (struct gd__tiling){.surface = surface};
+    out->face_level = gd__arrays_take(arrays, base->face_count, sizeof *out->face_level);
+    out->edge_level = gd__arrays_take(arrays, edges, sizeof *out->edge_level);
+    out->point = gd__arrays_take(arrays, base->point_count, sizeof *out->point);
+    out->edge_first = gd__arrays_take(arrays, edges, sizeof *out->edge_first);
+    out->face_first = gd__arrays_take(arrays, base->face_count, sizeof *out->face_first);
+    if (!arrays->status) memset(out->face_level, (int)level, base->face_count);
+    return arrays->status;
 }
 
 static void level_edges(struct gd__tiling *tiling)

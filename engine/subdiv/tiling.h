@@ -16,12 +16,12 @@ struct gd__tiling {
     uint32_t *edge_first, *face_first;
     /* numbers of vertices and of triangles; gd__tiling_number fails beyond 2^32 - 1 */
     uint64_t vertices, triangles;
+    struct gd__arrays arrays; /* freed by the caller, also after a failure */
 };
 
 /* Creates a tiling in which all faces have `level`. Error: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__tiling_create(const struct gd_subdivision *surface, uint32_t level,
                                              struct gd__tiling *out);
-void gd__tiling_free(struct gd__tiling *tiling);
 
 /* Computes the levels of edges and all numbers from face_level. Error: GD_TOO_LARGE (more than
  * `most` triangles). */

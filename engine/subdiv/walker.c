@@ -1,7 +1,5 @@
 #include "subdiv/walker.h"
 
-#include <stdlib.h>
-
 #include "base/tolerance.h"
 #include "subdiv/domain.h"
 #include "subdiv/refine.h"
@@ -17,33 +15,9 @@ static struct sizes sizes_of(const struct gd_subdivision *surface)
     return (struct sizes){faces, arity * faces, 4 * faces, (2 * arity + 1) * faces};
 }
 
-static enum gd_status create_stage(struct gd__stage *stage, uint32_t arity,
-                                   const struct sizes *sizes)
-{
-    enum gd_status status = gd__net_create(&stage->ring, arity, sizes->ring_points,
-                                           sizes->ring_faces, arity * sizes->ring_faces, false);
-    if (!status)
-        status = gd__net_create(&stage->refined, arity, sizes->refined_points, sizes->refined_faces,
-                                arity * sizes->refined_faces, false);
-    return status;
-}
-
 static size_t walker_larger(size_t a, size_t b)
 {
     return a > b ? a : b;
-}
-
-static enum gd_status create_marks(struct gd__walker *walker, size_t faces, size_t points)
-{
-    walker->fan.sides = malloc((walker->surface->largest_valence + 1) * sizeof *walker->fan.sides);
-    walker->face_stamp = calloc(faces, sizeof *walker->face_stamp);
-    walker->face_at = malloc(faces * sizeof *walker->face_at);
-    walker->point_stamp = calloc(points, sizeof *walker->point_stamp);
-    walker->point_at = malloc(points * sizeof *walker->point_at);
-    walker->cut_faces = malloc(faces * sizeof *walker->cut_faces);
-    bool whole = walker->fan.sides && walker->face_stamp && walker->face_at &&
-                 walker->point_stamp && walker->point_at && walker->cut_faces;
-    return whole ? GD_OK : GD_NO_MEMORY;
 }
 
 enum gd_status gd__walker_create(struct gd__walker *walker, const struct gd_subdivision *surface,
@@ -53,39 +27,31 @@ enum gd_status gd__walker_create(struct gd__walker *walker, const struct gd_subd
     struct sizes sizes = sizes_of(surface);
     size_t faces = walker_larger(surface->base.face_count, sizes.refined_faces);
     size_t points = walker_larger(surface->base.point_count, sizes.refined_points);
-    size_t stage_size =
-        gd__net_size(sizes.ring_points, sizes.ring_faces, arity * sizes.ring_faces, false) +
-        gd__net_size(sizes.refined_points, sizes.refined_faces, arity * sizes.refined_faces, false);
-    enum gd_status status = gd_control_afford(
-        control, stages * stage_size + (3 * faces + 2 * points) * sizeof(uint32_t));
-    if (status) return status;
-
-    struct gd__walker made = {.surface = surface, .stage_count = stages, .piece.face = GD_NONE};
-    made.stages = calloc(stages, sizeof *made.stages);
-    status = made.stages ? create_marks(&made, faces, points) : GD_NO_MEMORY;
-    for (uint32_t i = 0; !status && i < stages; i++)
-        status = create_stage(&made.stages[i], arity, &sizes);
-    if (status)
+    struct gd__walker made = {.surface = surface, .piece.face = GD_NONE, .arrays.control = control};
+    struct gd__arrays *arrays = &made.arrays;
+    made.fan.sides = gd__arrays_take(arrays, surface->largest_valence + 1, sizeof *made.fan.sides);
+    made.face_stamp = gd__arrays_zeroed(arrays, faces, sizeof *made.face_stamp);
+    made.face_at = gd__arrays_take(arrays, faces, sizeof *made.face_at);
+    made.point_stamp = gd__arrays_zeroed(arrays, points, sizeof *made.point_stamp);
+    made.point_at = gd__arrays_take(arrays, points, sizeof *made.point_at);
+    made.cut_faces = gd__arrays_take(arrays, faces, sizeof *made.cut_faces);
+    made.stages = gd__arrays_take(arrays, stages, sizeof *made.stages);
+    for (uint32_t i = 0; !arrays->status && i < stages; i++) {
+        gd__net_create(&made.stages[i].ring, arrays, arity, sizes.ring_points,
+                       arity * sizes.ring_faces);
+        gd__net_create(&made.stages[i].refined, arrays, arity, sizes.refined_points,
+                       arity * sizes.refined_faces);
+    }
+    if (arrays->status)
         gd__walker_free(&made);
     else
         *walker = made;
-    return status;
+    return arrays->status;
 }
 
 void gd__walker_free(struct gd__walker *walker)
 {
-    for (uint32_t i = 0; walker->stages && i < walker->stage_count; i++) {
-        gd__net_free(&walker->stages[i].ring);
-        gd__net_free(&walker->stages[i].refined);
-    }
-    free(walker->stages);
-    free(walker->fan.sides);
-    free(walker->face_stamp);
-    free(walker->face_at);
-    free(walker->point_stamp);
-    free(walker->point_at);
-    free(walker->cut_faces);
-    *walker = (struct gd__walker){0};
+    gd__arrays_free(&walker->arrays);
 }
 
 static void take_face(struct gd__walker *walker, uint32_t face, uint32_t *count)

@@ -38,7 +38,6 @@ struct gd__cell {
 struct gd__walker {
     const struct gd_subdivision *surface; /* borrowed */
     struct gd__stage *stages;
-    uint32_t stage_count;
     struct gd__fan fan;
     uint32_t stamp;
     /* for each face or point, its number in the extracted net; valid if its stamp is the current
@@ -46,6 +45,7 @@ struct gd__walker {
     uint32_t *face_stamp, *face_at, *point_stamp, *point_at;
     uint32_t *cut_faces;   /* the extracted faces, by their numbers in the source net */
     struct gd__cell piece; /* the piece of the last query */
+    struct gd__arrays arrays;
 };
 
 /* Creates a walker with `stages` >= 2. Errors: GD_NO_MEMORY, GD_BUDGET. */

@@ -1,0 +1,56 @@
+#include "tests/support/test.h"
+
+#include <stdint.h>
+#include <string.h>
+
+#include "base/arrays.h"
+
+/* The arrays of one owner are charged to one budget. The first failure stays. */
+
+static void arrays_are_separate(void **state)
+{
+    (void)state;
+    struct gd__arrays arrays = {0};
+    double *first = gd__arrays_take(&arrays, 100, sizeof *first);
+    char *empty = gd__arrays_take(&arrays, 0, 8);
+    int *second = gd__arrays_zeroed(&arrays, 100, sizeof *second);
+    assert_int_equal(arrays.status, GD_OK);
+    assert_non_null(empty);
+    memset(first, 255, 100 * sizeof *first);
+    for (int i = 0; i < 100; i++) assert_int_equal(second[i], 0);
+    assert_int_equal(arrays.held, 1200);
+    gd__arrays_free(&arrays);
+    assert_int_equal(arrays.held, 0);
+}
+
+static void the_first_failure_stays(void **state)
+{
+    (void)state;
+    struct gd_control control = {.budget_bytes = 1000};
+    struct gd__arrays arrays = {.control = &control};
+    assert_non_null(gd__arrays_take(&arrays, 100, 8));
+    assert_null(gd__arrays_take(&arrays, 100, 8));
+    assert_int_equal(arrays.status, GD_BUDGET);
+    assert_null(gd__arrays_take(&arrays, 1, 1));
+    gd__arrays_free(&arrays);
+    assert_int_equal(arrays.status, GD_BUDGET);
+}
+
+static void an_impossible_size_is_no_memory(void **state)
+{
+    (void)state;
+    struct gd__arrays arrays = {0};
+    assert_null(gd__arrays_zeroed(&arrays, SIZE_MAX / 4, 8));
+    assert_int_equal(arrays.status, GD_NO_MEMORY);
+    gd__arrays_free(&arrays);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(arrays_are_separate),
+        cmocka_unit_test(the_first_failure_stays),
+        cmocka_unit_test(an_impossible_size_is_no_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
