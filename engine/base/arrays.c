@@ -14,7 +14,7 @@ static void *arrays_add(struct gd__arrays *arrays, size_t count, size_t size, bo
     const size_t most = SIZE_MAX - sizeof(struct gd__arrays_block);
     if (arrays->status) return NULL;
     size_t bytes = size && count > most / size ? most : count * size;
-    arrays->status = gd_control_afford(arrays->control, arrays->held + bytes);
+    arrays->status = gd__budget_take(&arrays->budget, bytes);
     if (arrays->status) return NULL;
     struct gd__arrays_block *block =
         is_zeroed ? calloc(1, sizeof *block + bytes) : malloc(sizeof *block + bytes);
@@ -24,7 +24,6 @@ static void *arrays_add(struct gd__arrays *arrays, size_t count, size_t size, bo
     }
     block->next = arrays->newest;
     arrays->newest = block;
-    arrays->held += bytes;
     return block->array;
 }
 
@@ -45,5 +44,5 @@ void gd__arrays_free(struct gd__arrays *arrays)
         free(block);
     }
     arrays->newest = NULL;
-    arrays->held = 0;
+    arrays->budget.held = 0;
 }

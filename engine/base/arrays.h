@@ -1,6 +1,6 @@
 /* Arrays: the arrays of one owner, charged to one budget and freed together.
  *
- *     struct gd__arrays arrays = {.control = control};
+ *     struct gd__arrays arrays = {.budget.control = control};
  *     double *length = gd__arrays_take(&arrays, count, sizeof *length);
  *     bool *seen = gd__arrays_zeroed(&arrays, count, sizeof *seen);
  *     if (!arrays.status) arrays.status = work(length, seen);
@@ -12,13 +12,12 @@
 #ifndef GD_BASE_ARRAYS_H
 #define GD_BASE_ARRAYS_H
 
-#include "gd/control.h"
+#include "base/budget.h"
 
 struct gd__arrays_block;
 
 struct gd__arrays {
-    const struct gd_control *control; /* its budget limits `held`; may be NULL */
-    size_t held;                      /* bytes of all arrays */
+    struct gd__budget budget; /* charged with the arrays; an owner may charge more */
     struct gd__arrays_block *newest;
     enum gd_status status; /* the first failure: GD_NO_MEMORY or GD_BUDGET */
 };

@@ -14,7 +14,7 @@
 struct cutting {
     struct gd__refined *refined;
     const struct gd_cut_request *request;
-    struct gd__budget *budget;
+    struct gd__arrays *arrays;
     struct gd_detail *detail;
     struct gd_cut cut;
     uint32_t *piece; /* for each triangle, its piece */
@@ -45,7 +45,7 @@ static void *cut_pieces_take(struct cutting *cutting, size_t count, size_t size,
                              enum gd_status *status)
 {
     if (*status) return NULL;
-    *status = gd__budget_take(cutting->budget, count * size);
+    *status = gd__budget_take(&cutting->arrays->budget, count * size);
     void *array = *status ? NULL : calloc(count ? count : 1, size);
     if (!array && !*status) *status = GD_NO_MEMORY;
     if (!*status) cutting->cut.bytes += count * size;
@@ -87,8 +87,8 @@ static enum gd_status cut_pieces_measure(struct cutting *cutting)
 {
     const struct gd__refined *refined = cutting->refined;
     double unit = refined->mesh->unit;
-    double *lost = calloc(cutting->cut.piece_count, sizeof *lost);
-    if (!lost) return GD_NO_MEMORY;
+    double *lost = gd__arrays_zeroed(cutting->arrays, cutting->cut.piece_count, sizeof *lost);
+    if (!lost) return cutting->arrays->status;
     for (uint32_t t = 0; t < refined->count; t++) {
         double *area = &cutting->cut.pieces[cutting->piece[t]].area,
                *rest = &lost[cutting->piece[t]];
@@ -100,7 +100,6 @@ static enum gd_status cut_pieces_measure(struct cutting *cutting)
     }
     for (uint32_t i = 0; i < cutting->cut.piece_count; i++)
         cutting->cut.pieces[i].area *= unit * unit;
-    free(lost);
     return GD_OK;
 }
 
@@ -187,12 +186,9 @@ static enum gd_status select_faces(struct cutting *cutting)
 {
     const struct gd_mesh *mesh = cutting->refined->mesh;
     uint32_t indices = mesh->summary.face_index_count;
-    enum gd_status status = gd__budget_take(
-        cutting->budget, indices * sizeof(uint32_t) + cutting->cut.piece_count * sizeof(double));
-    if (status) return status;
-    uint32_t *owner = malloc(indices * sizeof *owner);
-    double *area = calloc(cutting->cut.piece_count, sizeof *area);
-    if (!owner || !area) status = GD_NO_MEMORY;
+    uint32_t *owner = gd__arrays_take(cutting->arrays, indices, sizeof *owner);
+    double *area = gd__arrays_zeroed(cutting->arrays, cutting->cut.piece_count, sizeof *area);
+    enum gd_status status = cutting->arrays->status;
     for (uint32_t i = 0; i < indices && !status; i++) {
         uint32_t face = mesh->face_of_index[i];
         owner[i] = face == GD_NONE ? GD_NONE : owner_of_face(cutting, face, area);
@@ -210,8 +206,6 @@ static enum gd_status select_faces(struct cutting *cutting)
         struct gd_cut_piece *piece = &cutting->cut.pieces[owner[i]];
         piece->face_map[piece->face_count++] = i;
     }
-    free(owner);
-    free(area);
     return status;
 }
 
@@ -306,44 +300,35 @@ static enum gd_status make_meshes(struct cutting *cutting)
     size_t corners = 3 * (size_t)refined->count,
            keys = refined->mesh->summary.index_count + (size_t)refined->nodes->count;
     enum gd_status status = allocate_pieces(cutting);
-    if (!status)
-        status = gd__budget_take(cutting->budget, (2 * corners + keys + 1) * sizeof(uint32_t));
     if (status) return status;
-    uint32_t *begin = calloc(keys + 1, sizeof *begin), *sorted = malloc(corners * sizeof *sorted);
-    cutting->number = malloc(corners * sizeof *cutting->number);
-    if (!begin || !sorted || !cutting->number) status = GD_NO_MEMORY;
-    if (!status) {
-        sort_vertices(refined, (uint32_t)keys, begin, sorted);
-        for (uint32_t i = 0; i < begin[keys]; i++)
-            if (is_wanted(cutting, cutting->piece[sorted[i] / 3])) place_vertex(cutting, sorted[i]);
-        for (uint32_t t = 0; t < refined->count; t++)
-            if (is_wanted(cutting, cutting->piece[t])) place_triangle(cutting, t);
-    }
-    free(begin);
-    free(sorted);
-    free(cutting->number);
-    return status;
+    uint32_t *begin = gd__arrays_zeroed(cutting->arrays, keys + 1, sizeof *begin),
+             *sorted = gd__arrays_take(cutting->arrays, corners, sizeof *sorted);
+    cutting->number = gd__arrays_take(cutting->arrays, corners, sizeof *cutting->number);
+    if (cutting->arrays->status) return cutting->arrays->status;
+    sort_vertices(refined, (uint32_t)keys, begin, sorted);
+    for (uint32_t i = 0; i < begin[keys]; i++)
+        if (is_wanted(cutting, cutting->piece[sorted[i] / 3])) place_vertex(cutting, sorted[i]);
+    for (uint32_t t = 0; t < refined->count; t++)
+        if (is_wanted(cutting, cutting->piece[t])) place_triangle(cutting, t);
+    return GD_OK;
 }
 
 /* Fills in the requested pieces, `separates` and `bytes`. Errors: GD_INVALID_ARGUMENT (`inside`
  * lies on the curve), GD_NO_MEMORY, GD_BUDGET. Linear time. */
 static enum gd_status pieces_make(struct gd__refined *refined, const struct gd_cut_request *request,
-                                  struct gd__budget *budget, struct gd_cut *out,
+                                  struct gd__arrays *arrays, struct gd_cut *out,
                                   struct gd_detail *detail)
 {
     struct cutting cutting = {.refined = refined,
                               .request = request,
-                              .budget = budget,
+                              .arrays = arrays,
                               .detail = detail,
                               .wanted = GD_NONE};
-    enum gd_status status = gd__budget_take(budget, refined->count * sizeof *cutting.piece);
-    if (status) return status;
-    cutting.piece = malloc(refined->count * sizeof *cutting.piece);
-    status = cutting.piece ? number_regions(&cutting) : GD_NO_MEMORY;
+    cutting.piece = gd__arrays_take(arrays, refined->count, sizeof *cutting.piece);
+    enum gd_status status = cutting.piece ? number_regions(&cutting) : arrays->status;
     if (!status) status = cut_pieces_measure(&cutting);
     if (!status && request->inside) status = find_inside(&cutting);
     if (!status) status = request->select_only ? select_faces(&cutting) : make_meshes(&cutting);
-    free(cutting.piece);
     if (status) {
         gd_cut_free(&cutting.cut);
         return status;
@@ -371,8 +356,10 @@ static enum gd_status check_ends(const struct gd_mesh *mesh, const struct gd_cur
 
 /* --- attempts --------------------------------------------------------------------------------- */
 
-/* One attempt to refine the mesh, with one snap distance. `refined` borrows from `arrangement`. */
+/* One attempt to refine the mesh, with one snap distance. `refined` borrows from `arrangement`.
+ * `arrays` has the arrays of `seam` and `refined`. */
 struct attempt {
+    struct gd__arrays arrays;
     struct gd__arrangement arrangement;
     struct gd__seam seam;
     struct gd__refined refined;
@@ -381,38 +368,35 @@ struct attempt {
 
 static void cut_clear(struct attempt *attempt)
 {
-    gd__refined_free(&attempt->refined);
-    gd__seam_free(&attempt->seam);
+    gd__arrays_free(&attempt->arrays);
     gd__arrangement_free(&attempt->arrangement);
     attempt->flat_face = GD_NONE;
 }
 
 static enum gd_status try(struct attempt *attempt, const struct gd_mesh *mesh,
-                          const struct gd_curve *curve, double snap, struct gd__budget *budget,
-                          struct gd_detail *detail)
+                          const struct gd_curve *curve, double snap, struct gd_detail *detail)
 {
     cut_clear(attempt);
-    budget->held = 0;
-    enum gd_status status = gd__arrange(mesh, curve, snap, budget, &attempt->arrangement, detail);
-    if (!status) status = gd__seam_make(&attempt->arrangement, &attempt->seam);
+    enum gd_status status =
+        gd__arrange(mesh, curve, snap, &attempt->arrays.budget, &attempt->arrangement, detail);
+    if (!status) status = gd__seam_make(&attempt->arrangement, &attempt->arrays, &attempt->seam);
     if (!status && attempt->seam.cuts == 0)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the curve cuts nothing, because it encloses no area or follows the "
                        "boundary; choose another curve");
     return status ? status
-                  : gd__refine(&attempt->arrangement, &attempt->seam, &attempt->refined,
-                               &attempt->flat_face);
+                  : gd__refine(&attempt->arrangement, &attempt->seam, &attempt->arrays,
+                               &attempt->refined, &attempt->flat_face);
 }
 
 /* Tries increasing snap distances until an attempt succeeds. */
 static enum gd_status try_snaps(struct attempt *attempt, const struct gd_mesh *mesh,
-                                const struct gd_curve *curve, struct gd__budget *budget,
-                                struct gd_detail *detail)
+                                const struct gd_curve *curve, struct gd_detail *detail)
 {
     enum gd_status status = GD_RUNAWAY;
     for (double snap = GD_TOL_SEAM; snap < GD_TOL_SEAM_MOST && status == GD_RUNAWAY;
          snap *= GD_TOL_SEAM_STEP)
-        status = try(attempt, mesh, curve, snap, budget, detail);
+        status = try(attempt, mesh, curve, snap, detail);
     if (status != GD_RUNAWAY) return status;
     if (attempt->flat_face == GD_NONE)
         return gd_fail(detail, GD_TOO_LARGE,
@@ -430,13 +414,12 @@ enum gd_status gd_cut_along(const struct gd_mesh *mesh, const struct gd_cut_requ
 {
     struct gd__share attempts = {.control = control, .total = 1};
     const struct gd_control own = gd__share_control(&attempts, 0);
-    struct gd__budget budget = {.control = &own};
-    struct attempt attempt = {0};
+    struct attempt attempt = {.arrays.budget.control = &own};
     struct gd_cut cut = {0};
     enum gd_status status = check_ends(mesh, request->curve, detail);
-    if (!status) status = try_snaps(&attempt, mesh, request->curve, &budget, detail);
+    if (!status) status = try_snaps(&attempt, mesh, request->curve, detail);
     double shift = attempt.arrangement.nodes.shift * mesh->unit;
-    if (!status) status = pieces_make(&attempt.refined, request, &budget, &cut, detail);
+    if (!status) status = pieces_make(&attempt.refined, request, &attempt.arrays, &cut, detail);
     cut_clear(&attempt);
     if (status) return status;
     *out = cut;

@@ -13,7 +13,7 @@
 struct refining {
     const struct gd__arrangement *arrangement;
     const struct gd__seam *seam;
-    struct gd__refined refined;
+    struct gd__refined *refined;
     struct gd__planar planar;
     uint32_t *site_node; /* for each site of the current face, its node */
     /* for each piece of an edge, 3 * triangle + side of the first triangle that has this piece as a
@@ -21,17 +21,6 @@ struct refining {
     uint32_t *first_side;
     uint32_t site_capacity;
 };
-
-void gd__refined_free(struct gd__refined *refined)
-{
-    free(refined->node);
-    free(refined->face);
-    free(refined->region);
-    free(refined->vertex);
-    free(refined->of_face);
-    free(refined->in_face);
-    *refined = (struct gd__refined){0};
-}
 
 double gd__refined_share(const struct gd__refined *refined, uint32_t triangle)
 {
@@ -72,7 +61,7 @@ static void join_at_piece(struct refining *refining, uint32_t t, uint32_t k, uin
     if (first == GD_NONE)
         refining->first_side[piece] = 3 * t + k;
     else if (!refining->seam->is_cut[piece])
-        cut_refine_join(&refining->refined, t, k, first / 3, first % 3);
+        cut_refine_join(refining->refined, t, k, first / 3, first % 3);
 }
 
 static uint32_t cut_refine_add(struct gd__refined *refined, uint32_t face, const uint32_t node[3])
@@ -88,10 +77,10 @@ static uint32_t cut_refine_add(struct gd__refined *refined, uint32_t face, const
 
 static void keep_face(struct refining *refining, uint32_t face)
 {
-    const struct gd_mesh *mesh = refining->refined.mesh;
+    const struct gd_mesh *mesh = refining->refined->mesh;
     const uint32_t *side = mesh->face_side[face];
     uint32_t t = cut_refine_add(
-        &refining->refined, face,
+        refining->refined, face,
         (uint32_t[]){mesh->origin[side[0]], mesh->origin[side[1]], mesh->origin[side[2]]});
     for (uint32_t k = 0; k < 3; k++)
         join_at_piece(refining, t, k, refining->seam->first[side[k] / 2]);
@@ -156,7 +145,7 @@ static bool is_flat(const struct gd__refined *refined, uint32_t t)
 static uint32_t cut_refine_piece_of(const struct refining *refining, uint32_t face, uint32_t t,
                                     uint32_t k)
 {
-    const struct gd__refined *refined = &refining->refined;
+    const struct gd__refined *refined = refining->refined;
     uint32_t a = refined->node[t][k], b = refined->node[t][gd__corner_after(k)];
     uint32_t sides =
         gd__node_sides(refined->nodes, face, a) & gd__node_sides(refined->nodes, face, b);
@@ -169,7 +158,7 @@ static uint32_t cut_refine_piece_of(const struct refining *refining, uint32_t fa
 static void join_in_face(struct refining *refining, uint32_t face, uint32_t i)
 {
     const struct gd__plane_triangle *triangles = refining->planar.plane.triangles;
-    uint32_t first = refining->refined.of_face[face];
+    uint32_t first = refining->refined->of_face[face];
     for (uint32_t k = 0; k < 3; k++) {
         uint32_t other = triangles[i].across[k];
         if (other == GD_NONE) {
@@ -178,7 +167,7 @@ static void join_in_face(struct refining *refining, uint32_t face, uint32_t i)
         } else if (other < i && !triangles[i].is_fixed[k]) {
             uint32_t m = 0;
             while (triangles[other].across[m] != i) m++;
-            cut_refine_join(&refining->refined, first + i, k, first + other, m);
+            cut_refine_join(refining->refined, first + i, k, first + other, m);
         }
     }
 }
@@ -216,7 +205,7 @@ static enum gd_status split_face(struct refining *refining, uint32_t face)
         const uint32_t *corner = refining->planar.plane.triangles[i].corner;
         uint32_t node[3];
         for (int k = 0; k < 3; k++) node[k] = refining->site_node[corner[k]];
-        has_flat |= is_flat(&refining->refined, cut_refine_add(&refining->refined, face, node));
+        has_flat |= is_flat(refining->refined, cut_refine_add(refining->refined, face, node));
     }
     for (uint32_t i = 0; i < refining->planar.plane.triangle_count; i++)
         join_in_face(refining, face, i);
@@ -232,48 +221,37 @@ static size_t triangle_count(const struct gd__nodes *nodes)
     return nodes->mesh->face_count + 2 * (size_t)nodes->count;
 }
 
-static bool cut_refine_allocate(struct refining *refining, size_t triangles, size_t pieces)
+static enum gd_status cut_refine_prepare(struct refining *refining, struct gd__arrays *arrays)
 {
-    struct gd__refined *refined = &refining->refined;
-    uint32_t faces = refined->mesh->face_count;
-    refined->node = malloc(triangles * sizeof *refined->node);
-    refined->face = malloc(triangles * sizeof *refined->face);
-    refined->region = malloc(triangles * sizeof *refined->region);
-    refined->vertex = malloc(3 * triangles * sizeof *refined->vertex);
-    refined->of_face = malloc(faces * sizeof *refined->of_face);
-    refined->in_face = calloc(faces, sizeof *refined->in_face);
-    refining->first_side = malloc(pieces * sizeof *refining->first_side);
-    bool ok = refined->node && refined->face && refined->region && refined->vertex &&
-              refined->of_face && refined->in_face && refining->first_side;
-    if (!ok) return false;
+    const struct gd__nodes *nodes = &refining->arrangement->nodes;
+    struct gd__refined *refined = refining->refined;
+    size_t triangles = triangle_count(nodes), faces = nodes->mesh->face_count,
+           pieces = (size_t)nodes->mesh->edge_count + nodes->count;
+    if (3 * triangles > UINT32_MAX) return GD_TOO_LARGE;
+    *refined = (struct gd__refined){.mesh = nodes->mesh, .nodes = nodes};
+    refined->node = gd__arrays_take(arrays, triangles, sizeof *refined->node);
+    refined->face = gd__arrays_take(arrays, triangles, sizeof *refined->face);
+    refined->region = gd__arrays_take(arrays, triangles, sizeof *refined->region);
+    refined->vertex = gd__arrays_take(arrays, 3 * triangles, sizeof *refined->vertex);
+    refined->of_face = gd__arrays_take(arrays, faces, sizeof *refined->of_face);
+    refined->in_face = gd__arrays_zeroed(arrays, faces, sizeof *refined->in_face);
+    refining->first_side = gd__arrays_take(arrays, pieces, sizeof *refining->first_side);
+    if (arrays->status) return arrays->status;
     gd__union_find_init(refined->region, (uint32_t)triangles);
     gd__union_find_init(refined->vertex, (uint32_t)(3 * triangles));
     for (size_t i = 0; i < pieces; i++) refining->first_side[i] = GD_NONE;
-    return true;
-}
-
-static enum gd_status cut_refine_prepare(struct refining *refining)
-{
-    const struct gd__nodes *nodes = &refining->arrangement->nodes;
-    size_t triangles = triangle_count(nodes),
-           pieces = (size_t)nodes->mesh->edge_count + nodes->count;
-    if (3 * triangles > UINT32_MAX) return GD_TOO_LARGE;
-    enum gd_status status = gd__budget_take(
-        nodes->budget,
-        (8 * triangles + 2 * (size_t)nodes->mesh->face_count + pieces) * sizeof(uint32_t));
-    if (status) return status;
-    return cut_refine_allocate(refining, triangles, pieces) ? GD_OK : GD_NO_MEMORY;
+    return GD_OK;
 }
 
 static enum gd_status refine_faces(struct refining *refining, uint32_t *flat_face)
 {
-    const struct gd_mesh *mesh = refining->refined.mesh;
+    const struct gd_mesh *mesh = refining->refined->mesh;
     uint32_t indices = mesh->summary.face_index_count;
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < indices && !status; i++) {
         uint32_t face = mesh->face_of_index[i];
         if (face == GD_NONE) continue;
-        refining->refined.of_face[face] = refining->refined.count;
+        refining->refined->of_face[face] = refining->refined->count;
         if (gd__is_crossed(refining->arrangement, face)) {
             status = split_face(refining, face);
             *flat_face = face;
@@ -287,20 +265,13 @@ static enum gd_status refine_faces(struct refining *refining, uint32_t *flat_fac
 }
 
 enum gd_status gd__refine(const struct gd__arrangement *arrangement, const struct gd__seam *seam,
-                          struct gd__refined *out, uint32_t *flat_face)
+                          struct gd__arrays *arrays, struct gd__refined *out, uint32_t *flat_face)
 {
-    const struct gd__nodes *nodes = &arrangement->nodes;
-    struct refining refining = {.arrangement = arrangement, .seam = seam};
-    refining.refined = (struct gd__refined){.mesh = nodes->mesh, .nodes = nodes};
-    refining.planar.budget = nodes->budget;
-    enum gd_status status = cut_refine_prepare(&refining);
+    struct refining refining = {.arrangement = arrangement, .seam = seam, .refined = out};
+    refining.planar.budget = arrangement->nodes.budget;
+    enum gd_status status = cut_refine_prepare(&refining, arrays);
     if (!status) status = refine_faces(&refining, flat_face);
     gd__planar_free(&refining.planar);
     free(refining.site_node);
-    free(refining.first_side);
-    if (status)
-        gd__refined_free(&refining.refined);
-    else
-        *out = refining.refined;
     return status;
 }

@@ -7,7 +7,7 @@
 
 #include "cut/seam.h"
 
-struct gd__refined { /* an all-zero struct is empty */
+struct gd__refined {
     const struct gd_mesh *mesh;
     const struct gd__nodes *nodes;
     uint32_t count; /* triangles */
@@ -21,13 +21,12 @@ struct gd__refined { /* an all-zero struct is empty */
 
 /* Refines the mesh. Errors: GD_RUNAWAY (a segment cannot be inserted, or a triangle is too flat for
  * a mesh; a larger snap distance may help), GD_INTERNAL (the triangles of a face do not cover it
- * exactly), GD_TOO_LARGE, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. On failure nothing is
- * allocated, and `*flat_face` is the face that failed. Linear in the mesh; quadratic in the nodes
+ * exactly), GD_TOO_LARGE, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. On failure
+ * `*flat_face` is the face that failed. Linear in the mesh; quadratic in the nodes
  * of a face. */
 GD_MUST_USE enum gd_status gd__refine(const struct gd__arrangement *arrangement,
-                                      const struct gd__seam *seam, struct gd__refined *out,
-                                      uint32_t *flat_face);
-void gd__refined_free(struct gd__refined *refined); /* an all-zero struct is allowed */
+                                      const struct gd__seam *seam, struct gd__arrays *arrays,
+                                      struct gd__refined *out, uint32_t *flat_face);
 
 /* Returns a triangle's fraction of the area of its face. */
 double gd__refined_share(const struct gd__refined *refined, uint32_t triangle);

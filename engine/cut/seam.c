@@ -2,16 +2,6 @@
 
 #include <stdlib.h>
 
-void gd__seam_free(struct gd__seam *seam)
-{
-    free(seam->first);
-    free(seam->edge_node);
-    free(seam->place);
-    free(seam->is_cut);
-    free(seam->is_cutting);
-    *seam = (struct gd__seam){0};
-}
-
 /* --- pieces ----------------------------------------------------------------------------------- */
 
 static int by_parameter(const void *a, const void *b, void *user)
@@ -172,48 +162,25 @@ static void seam_prune(struct pruning *pruning)
 
 /* --- result ----------------------------------------------------------------------------------- */
 
-static size_t seam_bytes_of(const struct gd__arrangement *arrangement)
+enum gd_status gd__seam_make(const struct gd__arrangement *arrangement, struct gd__arrays *arrays,
+                             struct gd__seam *out)
 {
     const struct gd__nodes *nodes = &arrangement->nodes;
-    size_t pieces = (size_t)nodes->mesh->edge_count + nodes->count,
-           all = (size_t)nodes->mesh->vertex_count + nodes->count;
-    return pieces * (2 * sizeof(uint32_t) + 1) + nodes->count * 2 * sizeof(uint32_t) +
-           all * sizeof(struct meeting) + arrangement->segment_count;
-}
-
-static bool seam_allocate(struct gd__seam *seam, struct pruning *pruning,
-                          const struct gd__arrangement *arrangement)
-{
-    uint32_t edges = seam->nodes->mesh->edge_count, count = seam->nodes->count;
-    seam->first = malloc((edges + (size_t)1) * sizeof *seam->first);
-    seam->edge_node = malloc((count + (size_t)1) * sizeof *seam->edge_node);
-    seam->place = malloc((count + (size_t)1) * sizeof *seam->place);
-    seam->is_cut = calloc((size_t)edges + count, 1);
-    seam->is_cutting = calloc(arrangement->segment_count + (size_t)1, 1);
-    pruning->meetings =
-        calloc((size_t)seam->nodes->mesh->vertex_count + count, sizeof *pruning->meetings);
-    pruning->edge_of_part = malloc(((size_t)edges + count) * sizeof *pruning->edge_of_part);
-    return seam->first && seam->edge_node && seam->place && seam->is_cut && seam->is_cutting &&
-           pruning->meetings && pruning->edge_of_part;
-}
-
-enum gd_status gd__seam_make(const struct gd__arrangement *arrangement, struct gd__seam *out)
-{
-    struct gd__seam seam = {.nodes = &arrangement->nodes};
-    struct pruning pruning = {.seam = &seam, .arrangement = arrangement};
-    enum gd_status status = gd__budget_take(arrangement->nodes.budget, seam_bytes_of(arrangement));
-    if (!status && !seam_allocate(&seam, &pruning, arrangement)) status = GD_NO_MEMORY;
-    if (!status) {
-        number_pieces(&seam);
-        pruning.pieces = seam.first[seam.nodes->mesh->edge_count];
-        seam_mark(&seam, arrangement);
-        seam_prune(&pruning);
-    }
-    free(pruning.meetings);
-    free(pruning.edge_of_part);
-    if (status)
-        gd__seam_free(&seam);
-    else
-        *out = seam;
-    return status;
+    struct pruning pruning = {.seam = out, .arrangement = arrangement};
+    size_t edges = nodes->mesh->edge_count, pieces = edges + nodes->count;
+    *out = (struct gd__seam){.nodes = nodes};
+    out->first = gd__arrays_take(arrays, edges + 1, sizeof *out->first);
+    out->edge_node = gd__arrays_take(arrays, nodes->count, sizeof *out->edge_node);
+    out->place = gd__arrays_take(arrays, nodes->count, sizeof *out->place);
+    out->is_cut = gd__arrays_zeroed(arrays, pieces, 1);
+    out->is_cutting = gd__arrays_zeroed(arrays, arrangement->segment_count, 1);
+    pruning.meetings = gd__arrays_zeroed(arrays, (size_t)nodes->mesh->vertex_count + nodes->count,
+                                         sizeof *pruning.meetings);
+    pruning.edge_of_part = gd__arrays_take(arrays, pieces, sizeof *pruning.edge_of_part);
+    if (arrays->status) return arrays->status;
+    number_pieces(out);
+    pruning.pieces = out->first[edges];
+    seam_mark(out, arrangement);
+    seam_prune(&pruning);
+    return GD_OK;
 }

@@ -6,9 +6,10 @@
 #ifndef GD_CUT_SEAM_H
 #define GD_CUT_SEAM_H
 
+#include "base/arrays.h"
 #include "cut/arrangement.h"
 
-struct gd__seam { /* an all-zero struct is empty */
+struct gd__seam {
     const struct gd__nodes *nodes;
     uint32_t *first; /* for each edge, its first piece; one more entry at the end */
     /* nodes on edges, sorted by edge and then by parameter; the nodes of edge e begin at
@@ -23,11 +24,9 @@ struct gd__seam { /* an all-zero struct is empty */
 
 /* Computes the seam of an arrangement, without parts on the boundary and without dead ends. A dead
  * end is a part of the seam that has a free end: an end that is not on the boundary and belongs to
- * no other part. Linear in the mesh. Errors: GD_NO_MEMORY, GD_BUDGET. On failure nothing is
- * allocated. */
+ * no other part. Linear in the mesh. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__seam_make(const struct gd__arrangement *arrangement,
-                                         struct gd__seam *out);
-void gd__seam_free(struct gd__seam *seam); /* an all-zero struct is allowed */
+                                         struct gd__arrays *arrays, struct gd__seam *out);
 
 /* Returns the piece of an edge between two consecutive nodes a and b. */
 uint32_t gd__seam_piece(const struct gd__seam *seam, uint32_t edge, uint32_t a, uint32_t b);

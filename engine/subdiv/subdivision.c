@@ -258,7 +258,7 @@ void gd_subdivision_release(const struct gd_subdivision *surface)
 
 size_t gd_subdivision_memsize(const struct gd_subdivision *surface)
 {
-    return sizeof *surface + surface->arrays.held;
+    return sizeof *surface + surface->arrays.budget.held;
 }
 
 enum gd_scheme gd_subdivision_scheme(const struct gd_subdivision *surface)

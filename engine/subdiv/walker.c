@@ -27,7 +27,8 @@ enum gd_status gd__walker_create(struct gd__walker *walker, const struct gd_subd
     struct sizes sizes = sizes_of(surface);
     size_t faces = walker_larger(surface->base.face_count, sizes.refined_faces);
     size_t points = walker_larger(surface->base.point_count, sizes.refined_points);
-    struct gd__walker made = {.surface = surface, .piece.face = GD_NONE, .arrays.control = control};
+    struct gd__walker made = {
+        .surface = surface, .piece.face = GD_NONE, .arrays.budget.control = control};
     struct gd__arrays *arrays = &made.arrays;
     made.fan.sides = gd__arrays_take(arrays, surface->largest_valence + 1, sizeof *made.fan.sides);
     made.face_stamp = gd__arrays_zeroed(arrays, faces, sizeof *made.face_stamp);

@@ -18,16 +18,16 @@ static void arrays_are_separate(void **state)
     assert_non_null(empty);
     memset(first, 255, 100 * sizeof *first);
     for (int i = 0; i < 100; i++) assert_int_equal(second[i], 0);
-    assert_int_equal(arrays.held, 1200);
+    assert_int_equal(arrays.budget.held, 1200);
     gd__arrays_free(&arrays);
-    assert_int_equal(arrays.held, 0);
+    assert_int_equal(arrays.budget.held, 0);
 }
 
 static void the_first_failure_stays(void **state)
 {
     (void)state;
     struct gd_control control = {.budget_bytes = 1000};
-    struct gd__arrays arrays = {.control = &control};
+    struct gd__arrays arrays = {.budget.control = &control};
     assert_non_null(gd__arrays_take(&arrays, 100, 8));
     assert_null(gd__arrays_take(&arrays, 100, 8));
     assert_int_equal(arrays.status, GD_BUDGET);
