@@ -71,24 +71,23 @@ uint32_t gd__curve_interval(const struct gd_domain_curve *curve, double s)
     return i;
 }
 
-enum gd_status gd__curve_places(const struct gd_domain_curve *curve,
-                                const struct gd__curve_places *wanted, double **out,
-                                uint32_t *count)
+double *gd__curve_places(const struct gd_domain_curve *curve, const struct gd__curve_places *wanted,
+                         struct gd__arrays *arrays, uint32_t *count)
 {
     uint32_t intervals = curve->is_point ? 0 : curve->break_count - 1, n = 0;
     uint32_t each = intervals ? (wanted->least + intervals - 1) / intervals : 0;
     if (each < wanted->each) each = wanted->each;
     if (each * intervals > wanted->most) each = wanted->most / intervals + 1;
-    double *s = malloc((each * intervals + 1) * sizeof *s);
-    if (!s) return GD_NO_MEMORY;
+    double *s = gd__arrays_take(arrays, each * intervals + (size_t)1, sizeof *s);
+    *count = 0;
+    if (!s) return NULL;
     for (uint32_t i = 0; i < intervals; i++)
         for (uint32_t k = 0; k < each; k++)
             s[n++] = curve->breaks[i] + (curve->breaks[i + 1] - curve->breaks[i]) * k / each;
     if (curve->is_point || wanted->with_end || !curve->closed)
         s[n++] = curve->is_point ? 0 : curve->high;
-    *out = s;
     *count = n;
-    return GD_OK;
+    return s;
 }
 
 /* --- breaks ----------------------------------------------------------------------------------- */
@@ -412,13 +411,13 @@ enum gd_status gd_domain_curve_inside(const struct gd_domain_curve *curve,
     if (!curve->surface->loops) return GD_OK;
     struct gd__pace pace = {.control = control};
     uint64_t cost = curve->surface->loops->samples.count / 4 + 1;
-    double *places;
-    uint32_t count = 0;
-    enum gd_status status = gd__curve_places(curve, &wanted, &places, &count);
-    for (uint32_t i = 0; i < count && !status && *inside && gd__pace(&pace, cost); i++) {
+    struct gd__arrays arrays = {.budget.control = control};
+    uint32_t count;
+    const double *places = gd__curve_places(curve, &wanted, &arrays, &count);
+    for (uint32_t i = 0; i < count && *inside && gd__pace(&pace, cost); i++) {
         gd_domain_curve_at(curve, places[i], uv);
         *inside = gd_parametric_contains(curve->surface, uv[0], uv[1]);
     }
-    if (!status) free(places);
-    return status ? status : pace.status;
+    gd__arrays_free(&arrays);
+    return arrays.status ? arrays.status : pace.status;
 }

@@ -2,6 +2,7 @@
 #ifndef GD_NURBS_GRID_H
 #define GD_NURBS_GRID_H
 
+#include "base/arrays.h"
 #include "gd/tessellation.h"
 #include "nurbs/surface.h"
 
@@ -14,12 +15,10 @@ struct gd__grid {
 
 /* Divides each cell into equal steps, whose lengths in space are about the same for all cells. If
  * options->steps is set, divides the whole domain into equal steps instead. Errors: GD_TOO_LARGE,
- * GD_NO_MEMORY. */
+ * GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__grid_make(const struct gd_parametric *surface,
                                          const struct gd_tessellation_options *options,
-                                         struct gd__grid *out);
-
-void gd__grid_free(struct gd__grid *grid);
+                                         struct gd__arrays *arrays, struct gd__grid *out);
 
 /* Returns the step that contains a parameter in [low, high]. Sets *part to the position of the
  * parameter in this step, from 0 to 1. */

@@ -1,7 +1,6 @@
 #include "nurbs/meet.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "base/tolerance.h"
 #include "base/pace.h"
@@ -15,26 +14,19 @@ struct places {
     struct gd_vec3 *x;
 };
 
-static enum gd_status meet_sample(const struct gd_domain_curve *curve, struct gd__pace *pace,
-                                  struct places *out)
+static enum gd_status meet_sample(const struct gd_domain_curve *curve, struct gd__arrays *arrays,
+                                  struct gd__pace *pace, struct places *out)
 {
     static const struct gd__curve_places wanted = {4, PLACES_LEAST, PLACES_MOST, true};
-    enum gd_status status = gd__curve_places(curve, &wanted, &out->s, &out->count);
-    if (status) return status;
-    out->x = malloc(out->count * sizeof *out->x);
-    if (!out->x) return GD_NO_MEMORY;
+    out->s = gd__curve_places(curve, &wanted, arrays, &out->count);
+    out->x = gd__arrays_take(arrays, out->count, sizeof *out->x);
+    if (arrays->status) return arrays->status;
     for (uint32_t i = 0; i < out->count && gd__pace(pace, GD__STEP); i++) {
         struct gd__curve_jet jet;
         gd__curve_jet(curve, out->s[i], &jet);
         out->x[i] = gd__surface_position(curve->surface, jet.at);
     }
     return pace->status;
-}
-
-static void places_free(struct places *places)
-{
-    free(places->s);
-    free(places->x);
 }
 
 /* A place of a curve in the domain and in space, with derivatives by the parameter. */
@@ -131,11 +123,12 @@ enum gd_status gd__curves_meetings(const struct gd_domain_curve *a, const struct
                                    const struct gd_control *control, struct gd__meeting *out,
                                    uint32_t most, uint32_t *count)
 {
-    struct places of_a = {0}, of_b = {0};
+    struct gd__arrays arrays = {.budget.control = control};
+    struct places of_a, of_b;
     struct gd__pace pace = {.control = control};
     double near = nearness(a->surface);
-    enum gd_status status = meet_sample(a, &pace, &of_a);
-    if (!status) status = meet_sample(b, &pace, &of_b);
+    enum gd_status status = meet_sample(a, &arrays, &pace, &of_a);
+    if (!status) status = meet_sample(b, &arrays, &pace, &of_b);
     uint32_t found = 0;
     for (uint32_t i = 0; i < of_a.count && !status && found < most; i++) {
         status = gd_control_check(control, 0);
@@ -146,8 +139,7 @@ enum gd_status gd__curves_meetings(const struct gd_domain_curve *a, const struct
             status = pace.status;
         }
     }
-    places_free(&of_a);
-    places_free(&of_b);
+    gd__arrays_free(&arrays);
     if (!status) *count = found;
     return status;
 }

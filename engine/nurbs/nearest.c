@@ -224,20 +224,19 @@ enum gd_status gd_parametric_nearest(const struct gd_parametric *surface, struct
     if (!gd_vec3_is_finite(xyz))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the point has a coordinate that is not finite");
+    const struct gd_tessellation_options options = {.faces = GRID_FACES};
+    struct gd__arrays arrays = {.budget.control = control};
     struct gd__grid grid;
-    enum gd_status status =
-        gd__grid_make(surface, &(struct gd_tessellation_options){.faces = GRID_FACES}, &grid);
-    if (status) return gd_fail_status(detail, status);
-    size_t bytes = (grid.steps[0] + (size_t)1) * (grid.steps[1] + (size_t)1) * sizeof(double);
     struct gd_parametric_closest best = {.distance = INFINITY};
-    status = gd_control_afford(control, bytes);
-    double *distance = status ? NULL : malloc(bytes);
+    double *distance = NULL;
+    enum gd_status status = gd__grid_make(surface, &options, &arrays, &grid);
     if (!status)
-        status = distance ? nurbs_nearest_search(surface, xyz, &grid, control, distance, &best)
-                          : GD_NO_MEMORY;
+        distance = gd__arrays_take(
+            &arrays, (grid.steps[0] + (size_t)1) * (grid.steps[1] + (size_t)1), sizeof *distance);
+    if (!status) status = arrays.status;
+    if (!status) status = nurbs_nearest_search(surface, xyz, &grid, control, distance, &best);
     if (!status && surface->loops) status = nearest_on_loops(surface, xyz, control, &best);
-    free(distance);
-    gd__grid_free(&grid);
+    gd__arrays_free(&arrays);
     if (status) return gd_fail_status(detail, status);
     *out = best;
     return GD_OK;

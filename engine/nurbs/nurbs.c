@@ -9,15 +9,15 @@
 
 /* --- one direction ---------------------------------------------------------------------------- */
 
-static bool take_knots(struct gd__knots *out, uint32_t degree, uint32_t count, const double *knots,
-                       bool is_short)
+static void take_knots(struct gd__knots *out, struct gd__arrays *arrays, uint32_t degree,
+                       uint32_t count, const double *knots, bool is_short)
 {
     uint32_t total = count + degree + 1;
     *out = (struct gd__knots){.degree = degree, .count = count};
-    out->knots = malloc(total * sizeof *out->knots);
-    out->lines = malloc(count * sizeof *out->lines);
-    out->spans = malloc(count * sizeof *out->spans);
-    if (!out->knots || !out->lines || !out->spans) return false;
+    out->knots = gd__arrays_take(arrays, total, sizeof *out->knots);
+    out->lines = gd__arrays_take(arrays, count, sizeof *out->lines);
+    out->spans = gd__arrays_take(arrays, count, sizeof *out->spans);
+    if (arrays->status) return;
     memcpy(out->knots + is_short, knots, (total - 2 * is_short) * sizeof *knots);
     if (is_short) {
         out->knots[0] = out->knots[1];
@@ -30,34 +30,24 @@ static bool take_knots(struct gd__knots *out, uint32_t degree, uint32_t count, c
         out->spans[cells++] = i;
     }
     out->line_count = cells - 1;
-    return true;
-}
-
-static void knots_free(struct gd__knots *knots)
-{
-    free(knots->knots);
-    free(knots->lines);
-    free(knots->spans);
 }
 
 void gd__nurbs_destroy(void *shape)
 {
     struct gd__nurbs *nurbs = shape;
     if (!nurbs) return;
-    knots_free(&nurbs->u);
-    knots_free(&nurbs->v);
-    free(nurbs->control);
+    gd__arrays_free(&nurbs->arrays);
     free(nurbs);
 }
 
 /* --- control points --------------------------------------------------------------------------- */
 
-static bool take_points(struct gd__nurbs *nurbs, const struct gd_nurbs_data *data)
+static void take_points(struct gd__nurbs *nurbs, const struct gd_nurbs_data *data)
 {
     bool multiplied = data->convention == GD_NURBS_VERB || data->convention == GD_NURBS_RHINO;
     size_t count = (size_t)data->count_u * data->count_v;
-    nurbs->control = malloc(count * sizeof *nurbs->control);
-    if (!nurbs->control) return false;
+    nurbs->control = gd__arrays_take(&nurbs->arrays, count, sizeof *nurbs->control);
+    if (!nurbs->control) return;
     for (size_t i = 0; i < count; i++) {
         double weight = data->weights ? data->weights[i] : 1;
         for (int c = 0; c < 3; c++) {
@@ -69,7 +59,6 @@ static bool take_points(struct gd__nurbs *nurbs, const struct gd_nurbs_data *dat
     for (size_t i = 0; i < count; i++)
         for (int c = 0; c < 3; c++)
             nurbs->control[i][c] = (nurbs->control[i][c] - nurbs->centre[c]) * nurbs->control[i][3];
-    return true;
 }
 
 /* --- closed directions and poles -------------------------------------------------------------- */
@@ -142,17 +131,18 @@ enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data, struct gd_param
     if (gd_nurbs_inspect(data, detail)) return GD_INVALID_ARGUMENT;
     bool rhino = data->convention == GD_NURBS_RHINO;
     struct gd__nurbs *nurbs = calloc(1, sizeof *nurbs);
-    if (!nurbs || !take_knots(&nurbs->u, data->degree_u, data->count_u, data->knots_u, rhino) ||
-        !take_knots(&nurbs->v, data->degree_v, data->count_v, data->knots_v, rhino) ||
-        !take_points(nurbs, data)) {
+    if (!nurbs) return gd_fail_status(detail, GD_NO_MEMORY);
+    take_knots(&nurbs->u, &nurbs->arrays, data->degree_u, data->count_u, data->knots_u, rhino);
+    take_knots(&nurbs->v, &nurbs->arrays, data->degree_v, data->count_v, data->knots_v, rhino);
+    take_points(nurbs, data);
+    if (nurbs->arrays.status) {
         gd__nurbs_destroy(nurbs);
         return gd_fail_status(detail, GD_NO_MEMORY);
     }
-    size_t points = (size_t)data->count_u * data->count_v;
     struct gd_evaluator evaluator = {.jet = gd__nurbs_jet,
                                      .destroy = gd__nurbs_destroy,
                                      .shape = nurbs,
-                                     .bytes = sizeof *nurbs + points * sizeof *nurbs->control};
+                                     .bytes = sizeof *nurbs + nurbs->arrays.budget.held};
     axis_of(&nurbs->u, &evaluator.u);
     axis_of(&nurbs->v, &evaluator.v);
     double size = nurbs_extent(nurbs);

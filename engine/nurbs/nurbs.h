@@ -2,6 +2,7 @@
 #ifndef GD_NURBS_NURBS_H
 #define GD_NURBS_NURBS_H
 
+#include "base/arrays.h"
 #include "gd/nurbs.h"
 
 /* One direction of the surface: all n + degree + 1 knots, and the non-empty spans, which are the
@@ -15,6 +16,7 @@ struct gd__knots {
 };
 
 struct gd__nurbs {
+    struct gd__arrays arrays;
     struct gd__knots u, v;
     /* homogeneous coordinates (w x, w y, w z, w), where (x, y, z) is relative to `centre` */
     double (*control)[4];

@@ -53,11 +53,11 @@ static enum gd_status take_profile(const struct gd_profile *profile, struct gd_p
     if (profile->count > GD_NURBS_COUNT_MAX)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the profile has more than %d points",
                        GD_NURBS_COUNT_MAX);
-    double(*points)[3] = malloc(2 * profile->count * sizeof *points + 1);
-    double *weights = malloc(2 * profile->count * sizeof *weights + 1);
+    struct gd__arrays arrays = {0};
+    double(*points)[3] = gd__arrays_take(&arrays, 2 * (size_t)profile->count, sizeof *points);
+    double *weights = gd__arrays_take(&arrays, 2 * (size_t)profile->count, sizeof *weights);
     double width = revolution_extent(profile);
-    enum gd_status status =
-        points && weights ? GD_OK : gd_fail(detail, GD_NO_MEMORY, "out of memory");
+    enum gd_status status = arrays.status ? gd_fail_status(detail, arrays.status) : GD_OK;
     for (uint32_t i = 0; i < 2 * profile->count && !status; i++) {
         const double *point = profile->points[i / 2];
         points[i][0] = point[0], points[i][1] = i % 2 * width, points[i][2] = point[1];
@@ -74,8 +74,7 @@ static enum gd_status take_profile(const struct gd_profile *profile, struct gd_p
                                  .points = (const double(*)[3])points,
                                  .weights = weights};
     if (!status) status = gd_nurbs_create(&data, out, detail);
-    free(points);
-    free(weights);
+    gd__arrays_free(&arrays);
     return status;
 }
 

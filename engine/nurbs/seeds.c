@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "base/arrays.h"
 #include "base/tolerance.h"
 #include "gd/field.h"
 #include "mesh/union_find.h"
@@ -36,6 +37,7 @@ struct side {
 
 struct search {
     const struct gd_tessellation *tessellation;
+    struct gd__arrays arrays;
     struct side side[2];
     struct gd__path_seeds seeds;
     struct gd__pace pace;
@@ -51,14 +53,16 @@ void gd__path_seeds_free(struct gd__path_seeds *seeds)
 
 /* --- the curves as sources -------------------------------------------------------------------- */
 
-static enum gd_status place_side(const struct gd_tessellation *t, struct side *side,
-                                 struct gd__pace *pace, struct gd_detail *detail)
+static enum gd_status place_side(struct search *search, struct side *side, struct gd_detail *detail)
 {
+    const struct gd_tessellation *t = search->tessellation;
+    struct gd__pace *pace = &search->pace;
     const struct gd_domain_curve *curve = side->curve;
     static const struct gd__curve_places wanted = {2, PLACES_LEAST, PLACES_MOST, false};
-    enum gd_status status = gd__curve_places(curve, &wanted, &side->s, &side->count);
-    if (!status) side->seeds = calloc(side->count, sizeof *side->seeds);
-    if (!side->seeds) return gd_fail_status(detail, GD_NO_MEMORY);
+    side->s = gd__curve_places(curve, &wanted, &search->arrays, &side->count);
+    side->seeds = gd__arrays_zeroed(&search->arrays, side->count, sizeof *side->seeds);
+    enum gd_status status = search->arrays.status;
+    if (status) return gd_fail_status(detail, status);
     for (uint32_t i = 0; i < side->count && !status && gd__pace(pace, GD__STEP); i++) {
         double uv[2];
         gd_domain_curve_at(curve, side->s[i], uv);
@@ -68,26 +72,20 @@ static enum gd_status place_side(const struct gd_tessellation *t, struct side *s
     return status;
 }
 
-static enum gd_status measure_side(const struct gd_tessellation *t, struct side *side,
-                                   struct gd__pace *pace, struct gd_detail *detail)
+static enum gd_status measure_side(struct search *search, struct side *side,
+                                   struct gd_detail *detail)
 {
-    enum gd_status status = place_side(t, side, pace, detail);
+    const struct gd_tessellation *t = search->tessellation;
+    enum gd_status status = place_side(search, side, detail);
     if (status) return status;
     struct gd_field_request request = {.seeds = side->seeds, .seed_count = side->count};
-    status = gd_field_build(t->mesh, &request, pace->control, &side->field, detail);
+    status = gd_field_build(t->mesh, &request, search->pace.control, &side->field, detail);
     if (status) return status;
-    side->distance = malloc(gd_mesh_summary(t->mesh)->index_count * sizeof *side->distance);
-    if (!side->distance) return gd_fail_status(detail, GD_NO_MEMORY);
+    side->distance = gd__arrays_take(&search->arrays, gd_mesh_summary(t->mesh)->index_count,
+                                     sizeof *side->distance);
+    if (!side->distance) return gd_fail_status(detail, search->arrays.status);
     gd_field_vertex_distances(side->field, side->distance);
     return GD_OK;
-}
-
-static void side_free(struct side *side)
-{
-    free(side->s);
-    free(side->seeds);
-    free(side->distance);
-    gd_field_release(side->field);
 }
 
 /* --- trails ----------------------------------------------------------------------------------- */
@@ -322,10 +320,10 @@ static void find_plateaus(const struct crossing *list, uint32_t count, uint32_t 
 static enum gd_status add_plateaus(struct search *search, const struct crossing *list,
                                    uint32_t count, struct gd_detail *detail)
 {
-    uint32_t *parent = malloc((count + (size_t)1) * sizeof *parent),
-             *seen = calloc(count + (size_t)1, sizeof *seen);
-    struct plateau *plateaus = malloc((count + (size_t)1) * sizeof *plateaus);
-    enum gd_status status = parent && seen && plateaus ? GD_OK : GD_NO_MEMORY;
+    uint32_t *parent = gd__arrays_take(&search->arrays, count, sizeof *parent),
+             *seen = gd__arrays_zeroed(&search->arrays, count, sizeof *seen);
+    struct plateau *plateaus = gd__arrays_take(&search->arrays, count, sizeof *plateaus);
+    enum gd_status status = search->arrays.status;
     if (!status) find_plateaus(list, count, parent, plateaus);
     for (uint32_t i = 0; i < count && !status; i++) {
         uint32_t root = gd__union_find_root(parent, i);
@@ -333,16 +331,14 @@ static enum gd_status add_plateaus(struct search *search, const struct crossing 
             search->seeds.count < SEEDS_MOST)
             status = add_crossing(search, &list[i], detail);
     }
-    free(parent);
-    free(seen);
-    free(plateaus);
-    return status == GD_NO_MEMORY ? gd_fail_status(detail, status) : status;
+    return search->arrays.status ? gd_fail_status(detail, status) : status;
 }
 
 static enum gd_status add_middles(struct search *search, double shortest, struct gd_detail *detail)
 {
-    struct crossing *list = malloc((list_crossings(search, NULL) + 1) * sizeof *list);
-    if (!list) return gd_fail_status(detail, GD_NO_MEMORY);
+    struct crossing *list =
+        gd__arrays_take(&search->arrays, list_crossings(search, NULL), sizeof *list);
+    if (!list) return gd_fail_status(detail, search->arrays.status);
     uint32_t count = list_crossings(search, list);
     qsort(list, count, sizeof *list, by_edge);
     enum gd_status status = search->pace.status;
@@ -352,7 +348,6 @@ static enum gd_status add_middles(struct search *search, double shortest, struct
         if (list[i].sum <= fmin(list[i].least, margin * shortest) &&
             search->seeds.count < SEEDS_MOST)
             status = add_crossing(search, &list[i], detail);
-    free(list);
     return status;
 }
 
@@ -374,8 +369,8 @@ static enum gd_status find_ends(struct search *search, int k, double *distance, 
 static enum gd_status add_ends(struct search *search, int k, double *shortest)
 {
     const struct side *side = &search->side[k];
-    double *distance = malloc(side->count * sizeof *distance);
-    if (!distance) return GD_NO_MEMORY;
+    double *distance = gd__arrays_take(&search->arrays, side->count, sizeof *distance);
+    if (!distance) return search->arrays.status;
     enum gd_status status = find_ends(search, k, distance, shortest);
     uint32_t n = side->count;
     bool around = side->curve->closed;
@@ -387,7 +382,6 @@ static enum gd_status add_ends(struct search *search, int k, double *shortest)
         if ((search->all || distance[i] <= margin * *shortest) && search->seeds.count < SEEDS_MOST)
             status = add_seed(search, &side->seeds[i].point);
     }
-    free(distance);
     return status;
 }
 
@@ -446,21 +440,22 @@ enum gd_status gd__path_seeds_find(const struct gd_tessellation *tessellation,
 {
     const struct gd_control own = gd__share_control(share, 0);
     struct search search = {.tessellation = tessellation,
+                            .arrays.budget.control = &own,
                             .side = {{.curve = from}, {.curve = to}},
                             .pace = {.control = &own},
                             .all = all};
     enum gd_status status = GD_OK;
     double shortest = INFINITY;
     for (int k = 0; k < 2 && !status; k++) {
-        status = measure_side(tessellation, &search.side[k], &search.pace, detail);
+        status = measure_side(&search, &search.side[k], detail);
         share->done++;
     }
     for (int k = 1; k >= 0 && !status; k--) status = add_ends(&search, k, &shortest);
     if (!status) status = add_middles(&search, shortest, detail);
     if (!status && !search.seeds.count)
         status = gd_fail(detail, GD_INTERNAL, "no path was found on the tessellation");
-    side_free(&search.side[0]);
-    side_free(&search.side[1]);
+    for (int k = 0; k < 2; k++) gd_field_release(search.side[k].field);
+    gd__arrays_free(&search.arrays);
     if (!status)
         status =
             sift(tessellation->surface, all ? SEEDS_MOST : SEEDS_FEW, &search.pace, &search.seeds);

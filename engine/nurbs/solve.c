@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/arrays.h"
 #include "base/tolerance.h"
 #include "nurbs/energy.h"
 
@@ -346,10 +347,11 @@ static enum gd_status solve_refine(const struct gd__task *task, struct gd__solut
                                    bool *done)
 {
     uint32_t spans = gd__chain_spans(solution->chain);
-    double *errors = malloc(spans * sizeof *errors);
-    bool *marked = malloc(spans * sizeof *marked);
+    struct gd__arrays arrays = {0};
+    double *errors = gd__arrays_take(&arrays, spans, sizeof *errors);
+    bool *marked = gd__arrays_take(&arrays, spans, sizeof *marked);
     struct gd__chain *finer = NULL;
-    enum gd_status status = errors && marked ? GD_OK : GD_NO_MEMORY;
+    enum gd_status status = arrays.status;
     double before = solution->report.length;
     if (!status) {
         double sum = solve_mark(task, solution, errors, marked);
@@ -361,8 +363,7 @@ static enum gd_status solve_refine(const struct gd__task *task, struct gd__solut
             if (!finer) status = GD_NO_MEMORY;
         }
     }
-    free(errors);
-    free(marked);
+    gd__arrays_free(&arrays);
     if (!finer) return status;
     free(solution->chain);
     solution->chain = finer;

@@ -4,6 +4,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+void gd__tessellation_take_nodes(struct gd_tessellation *t, size_t nodes)
+{
+    t->vertex_of = gd__arrays_take(&t->arrays, nodes, sizeof *t->vertex_of);
+    t->node_of = gd__arrays_take(&t->arrays, nodes, sizeof *t->node_of);
+    t->polygons.positions = gd__arrays_take(&t->arrays, nodes, sizeof *t->polygons.positions);
+}
+
+void gd__tessellation_take_faces(struct gd_tessellation *t, size_t faces)
+{
+    t->polygons.corners = gd__arrays_take(&t->arrays, 3 * faces, sizeof *t->polygons.corners);
+    t->corners = gd__arrays_take(&t->arrays, faces, sizeof *t->corners);
+}
+
 /* --- nodes to vertices ------------------------------------------------------------------------ */
 
 /* Returns the first node among all nodes at the same point. */
@@ -24,12 +37,9 @@ static uint32_t representative(const struct gd_parametric *surface, const struct
 static enum gd_status make_vertices(struct gd_tessellation *t, const struct gd_control *control)
 {
     uint32_t nodes = gd__node_count(&t->grid);
-    enum gd_status status = gd_control_afford(control, nodes * (size_t)64);
+    gd__tessellation_take_nodes(t, nodes);
+    enum gd_status status = t->arrays.status;
     if (status) return status;
-    t->vertex_of = malloc(nodes * sizeof *t->vertex_of);
-    t->node_of = malloc(nodes * sizeof *t->node_of);
-    t->polygons.positions = malloc(nodes * sizeof *t->polygons.positions);
-    if (!t->vertex_of || !t->node_of || !t->polygons.positions) return GD_NO_MEMORY;
     for (uint32_t node = 0; node < nodes; node++) {
         uint32_t first = representative(t->surface, &t->grid, node);
         if (first != node) {
@@ -88,12 +98,10 @@ static void fill_cell(struct gd_tessellation *t, uint32_t i, uint32_t j)
 static enum gd_status make_faces(struct gd_tessellation *t, const struct gd_control *control)
 {
     uint32_t cells = t->grid.steps[0] * t->grid.steps[1];
-    enum gd_status status = gd_control_afford(control, cells * (size_t)64);
+    gd__tessellation_take_faces(t, 2 * (size_t)cells);
+    t->first_face = gd__arrays_take(&t->arrays, cells + (size_t)1, sizeof *t->first_face);
+    enum gd_status status = t->arrays.status;
     if (status) return status;
-    t->polygons.corners = malloc(6 * (size_t)cells * sizeof *t->polygons.corners);
-    t->corners = malloc(2 * (size_t)cells * sizeof *t->corners);
-    t->first_face = malloc((cells + (size_t)1) * sizeof *t->first_face);
-    if (!t->polygons.corners || !t->corners || !t->first_face) return GD_NO_MEMORY;
     for (uint32_t cell = 0; cell < cells; cell++) {
         if (cell % 4096 == 0 && (status = gd_control_check(control, 0.3))) return status;
         t->first_face[cell] = t->polygons.polygon_count;
@@ -121,7 +129,8 @@ enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
     struct gd_tessellation *t = calloc(1, sizeof *t);
     if (!t) return gd_fail_status(detail, GD_NO_MEMORY);
     t->surface = gd_parametric_retain(surface);
-    enum gd_status status = gd__grid_make(surface, options, &t->grid);
+    t->arrays.budget.control = control;
+    enum gd_status status = gd__grid_make(surface, options, &t->arrays, &t->grid);
     if (!status && surface->loops) {
         status = gd__tessellation_trim(t, control);
     } else if (!status) {
@@ -132,6 +141,7 @@ enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
         gd_fail_status(detail, status);
     else
         status = gd_mesh_build(&t->polygons, NULL, control, &t->mesh, detail);
+    t->arrays.budget.control = NULL;
     if (status)
         gd_tessellation_release(t);
     else
@@ -144,24 +154,14 @@ void gd_tessellation_release(const struct gd_tessellation *tessellation)
     struct gd_tessellation *own = (struct gd_tessellation *)tessellation;
     if (!own) return;
     gd_parametric_release(own->surface);
-    gd__grid_free(&own->grid);
-    gd_polygons_free(&own->polygons);
     gd_mesh_release(own->mesh);
-    free(own->vertex_of);
-    free(own->node_of);
-    free(own->corners);
-    free(own->first_face);
-    free(own->node_uv);
+    gd__arrays_free(&own->arrays);
     free(own);
 }
 
 size_t gd_tessellation_memsize(const struct gd_tessellation *t)
 {
-    size_t nodes = t->node_uv ? t->node_count : gd__node_count(&t->grid),
-           faces = t->polygons.polygon_count;
-    size_t uv = t->node_uv ? nodes * sizeof *t->node_uv : 0;
-    return sizeof *t + gd_mesh_memsize(t->mesh) + uv +
-           nodes * (2 * sizeof(uint32_t) + 3 * sizeof(double)) + faces * 8 * sizeof(uint32_t);
+    return sizeof *t + gd_mesh_memsize(t->mesh) + t->arrays.budget.held;
 }
 
 const struct gd_parametric *gd_tessellation_surface(const struct gd_tessellation *tessellation)

@@ -2,6 +2,7 @@
 #ifndef GD_NURBS_TESSELLATION_H
 #define GD_NURBS_TESSELLATION_H
 
+#include "base/arrays.h"
 #include "nurbs/grid.h"
 
 /* Node (i, j) of the grid has the number i * (steps[1] + 1) + j. In a closed direction the last
@@ -9,6 +10,7 @@
  * loops, in any order. */
 struct gd_tessellation {
     const struct gd_parametric *surface;
+    struct gd__arrays arrays; /* those of the grid, the polygons and this struct */
     struct gd__grid grid;
     struct gd_polygons polygons;
     struct gd_mesh *mesh;
@@ -40,5 +42,9 @@ static inline void gd__node_parameters(const struct gd_tessellation *t, uint32_t
  * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__tessellation_trim(struct gd_tessellation *tessellation,
                                                  const struct gd_control *control);
+
+/* Allocates the arrays for at most that many nodes, and those for that many faces. */
+void gd__tessellation_take_nodes(struct gd_tessellation *tessellation, size_t nodes);
+void gd__tessellation_take_faces(struct gd_tessellation *tessellation, size_t faces);
 
 #endif

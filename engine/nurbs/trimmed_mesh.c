@@ -16,6 +16,7 @@ enum { MARKS_A_STEP = 4 };
 
 struct meshing {
     struct gd_tessellation *t;
+    struct gd__arrays arrays;
     struct gd__pace pace;
     struct gd__loop_samples samples;
     bool *omitted;       /* for each grid node, true if it is near a loop */
@@ -27,17 +28,6 @@ struct meshing {
     uint32_t (*segments)[2];
     struct gd__triangulation found;
 };
-
-static void meshing_free(struct meshing *m)
-{
-    gd__loop_samples_free(&m->samples);
-    free(m->omitted);
-    free(m->number_of);
-    free(m->uv);
-    free(m->nodes);
-    free(m->segments);
-    free(m->found.triangles);
-}
 
 static bool is_border(const struct gd__grid *grid, uint32_t i, uint32_t j)
 {
@@ -80,9 +70,9 @@ static void omit_along(struct meshing *m, const double a[2], const double b[2])
 static enum gd_status omit_nodes(struct meshing *m)
 {
     uint32_t nodes = gd__node_count(&m->t->grid);
-    m->omitted = calloc(nodes, sizeof *m->omitted);
-    m->number_of = malloc(nodes * sizeof *m->number_of);
-    if (!m->omitted || !m->number_of) return GD_NO_MEMORY;
+    m->omitted = gd__arrays_zeroed(&m->arrays, nodes, sizeof *m->omitted);
+    m->number_of = gd__arrays_take(&m->arrays, nodes, sizeof *m->number_of);
+    if (m->arrays.status) return m->arrays.status;
     for (uint32_t i = 0; i < m->t->surface->loops->count; i++) {
         uint32_t first = m->samples.first[i], count = m->samples.first[i + 1] - first;
         for (uint32_t k = 0; k < count; k++)
@@ -121,12 +111,10 @@ static enum gd_status list_places(struct meshing *m)
     const struct gd__loops *loops = m->t->surface->loops;
     uint32_t nodes = gd__node_count(grid);
     size_t border = 2 * ((size_t)grid->steps[0] + grid->steps[1]), most = m->samples.count + nodes;
-    enum gd_status status = gd_control_afford(m->pace.control, most * 64);
-    if (status) return status;
-    m->uv = malloc(most * sizeof *m->uv);
-    m->nodes = malloc(most * sizeof *m->nodes);
-    m->segments = malloc((m->samples.count + border) * sizeof *m->segments);
-    if (!m->uv || !m->nodes || !m->segments) return GD_NO_MEMORY;
+    m->uv = gd__arrays_take(&m->arrays, most, sizeof *m->uv);
+    m->nodes = gd__arrays_take(&m->arrays, most, sizeof *m->nodes);
+    m->segments = gd__arrays_take(&m->arrays, m->samples.count + border, sizeof *m->segments);
+    if (m->arrays.status) return m->arrays.status;
     memcpy(m->uv, m->samples.at, m->samples.count * sizeof *m->uv);
     m->count = m->samples.count;
     for (uint32_t i = 0; i < loops->count; i++) {
@@ -189,17 +177,18 @@ static int by_place(const void *x, const void *y)
 }
 
 /* Creates one vertex for all nodes that are the same point of the surface. */
-static enum gd_status make_vertices(struct gd_tessellation *t, struct gd__pace *pace)
+static enum gd_status make_vertices(struct meshing *m)
 {
-    struct place *places = malloc((t->node_count + (size_t)1) * sizeof *places);
-    if (!places) return GD_NO_MEMORY;
+    struct gd_tessellation *t = m->t;
+    struct place *places = gd__arrays_take(&m->arrays, t->node_count, sizeof *places);
+    if (!places) return m->arrays.status;
     for (uint32_t i = 0; i < t->node_count; i++) {
         memcpy(places[i].at, t->node_uv[i], sizeof places[i].at);
         represent(t->surface, places[i].at);
         places[i].node = i;
     }
     qsort(places, t->node_count, sizeof *places, by_place);
-    for (uint32_t i = 0; i < t->node_count && gd__pace(pace, GD__STEP / 4); i++) {
+    for (uint32_t i = 0; i < t->node_count && gd__pace(&m->pace, GD__STEP / 4); i++) {
         const double *at = places[i].at;
         if (i == 0 || memcmp(at, places[i - 1].at, sizeof places[i].at) != 0) {
             struct gd_vec3 x = gd__surface_position(t->surface, at);
@@ -210,8 +199,7 @@ static enum gd_status make_vertices(struct gd_tessellation *t, struct gd__pace *
         }
         t->vertex_of[places[i].node] = t->polygons.position_count - 1;
     }
-    free(places);
-    return pace->status;
+    return m->pace.status;
 }
 
 static void make_faces(struct gd_tessellation *t, const struct gd__triangulation *found)
@@ -229,22 +217,12 @@ static void make_faces(struct gd_tessellation *t, const struct gd__triangulation
 static enum gd_status take_nodes(struct meshing *m)
 {
     struct gd_tessellation *t = m->t;
-    size_t faces = m->found.count + (size_t)1, nodes = m->count + (size_t)1;
-    enum gd_status status = gd_control_afford(m->pace.control, faces * 48 + nodes * 80);
-    if (status) return status;
-    uint32_t *number = malloc(nodes * sizeof *number);
-    t->node_uv = malloc(nodes * sizeof *t->node_uv);
-    t->vertex_of = malloc(nodes * sizeof *t->vertex_of);
-    t->node_of = malloc(nodes * sizeof *t->node_of);
-    t->polygons.positions = malloc(nodes * sizeof *t->polygons.positions);
-    t->polygons.corners = malloc(3 * faces * sizeof *t->polygons.corners);
-    t->corners = malloc(faces * sizeof *t->corners);
-    if (!number || !t->node_uv || !t->vertex_of || !t->node_of || !t->polygons.positions ||
-        !t->polygons.corners || !t->corners) {
-        free(number);
-        return GD_NO_MEMORY;
-    }
-    memset(number, 0xff, nodes * sizeof *number);
+    uint32_t *number = gd__arrays_take(&m->arrays, m->count, sizeof *number);
+    gd__tessellation_take_nodes(t, m->count);
+    gd__tessellation_take_faces(t, m->found.count);
+    t->node_uv = gd__arrays_take(&t->arrays, m->count, sizeof *t->node_uv);
+    if (!number || t->arrays.status) return number ? t->arrays.status : m->arrays.status;
+    memset(number, 0xff, m->count * sizeof *number);
     for (uint32_t f = 0; f < m->found.count && gd__pace(&m->pace, 1); f++)
         for (int k = 0; k < 3; k++) {
             uint32_t *corner = &m->found.triangles[f][k];
@@ -254,24 +232,25 @@ static enum gd_status take_nodes(struct meshing *m)
             }
             *corner = number[*corner];
         }
-    free(number);
     return m->pace.status;
 }
 
 enum gd_status gd__tessellation_trim(struct gd_tessellation *t, const struct gd_control *control)
 {
-    struct meshing m = {.t = t, .pace = {.control = control, .fraction = 0.2}};
+    struct meshing m = {
+        .t = t, .arrays.budget.control = control, .pace = {.control = control, .fraction = 0.2}};
     const struct gd__grid *grid = &t->grid;
     double longest = fmin(1.0 / grid->steps[0], 1.0 / grid->steps[1]);
-    enum gd_status status = gd_control_afford(control, gd__node_count(grid) * (size_t)8);
-    if (!status) status = gd__loops_sample(t->surface->loops, longest, &m.pace, &m.samples);
+    enum gd_status status = gd__loops_sample(t->surface->loops, longest, &m.pace, &m.samples);
     if (!status) status = omit_nodes(&m);
     if (!status) status = list_places(&m);
     if (!status) status = triangulate(&m);
     if (!status) status = take_nodes(&m);
-    if (!status) status = make_vertices(t, &m.pace);
+    if (!status) status = make_vertices(&m);
     if (!status) make_faces(t, &m.found);
     if (!status && !t->polygons.polygon_count) status = GD_INTERNAL;
-    meshing_free(&m);
+    gd__loop_samples_free(&m.samples);
+    free(m.found.triangles);
+    gd__arrays_free(&m.arrays);
     return status;
 }
