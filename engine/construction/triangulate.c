@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/arrays.h"
 #include "base/large.h"
 #include "construction/interval.h"
 #include "construction/steps.h"
@@ -31,11 +32,9 @@
  * a polygon of this size. */
 #define EAR_MAX_CORNERS 4096
 
-/* Working memory for polygons of up to `most` corners. It is reused from polygon to polygon. */
-struct ear_clipper;
-
 #define NEVER (-INFINITY)
 
+/* Working memory, which is reused from polygon to polygon. */
 struct ear_clipper {
     struct gd__ring_corner *corner;
     uint32_t *reflex; /* the reflex corners: only these can lie in the triangle of an ear */
@@ -45,27 +44,6 @@ struct ear_clipper {
     const struct gd__edge_set *edges;
     struct gd__interval_table table;
 };
-
-static void ear_clipper_free(struct ear_clipper *clipper)
-{
-    if (!clipper) return;
-    free(clipper->corner);
-    free(clipper->reflex);
-    free(clipper);
-}
-
-/* Allocates the working memory; free by ear_clipper_free. Returns NULL if there is no
- * memory. */
-static struct ear_clipper *ear_clipper_create(uint32_t most)
-{
-    struct ear_clipper *clipper = calloc(1, sizeof *clipper);
-    if (!clipper) return NULL;
-    clipper->corner = malloc(most * sizeof *clipper->corner);
-    clipper->reflex = malloc(most * sizeof *clipper->reflex);
-    if (clipper->corner && clipper->reflex) return clipper;
-    ear_clipper_free(clipper);
-    return NULL;
-}
 
 /* p is a second occurrence of the vertex of b. Returns true if the ring enters or leaves p within
  * the angle at b between a and c. */
@@ -337,16 +315,19 @@ static enum gd_status triangulate_polygons(struct gd__construction *work, uint32
 {
     struct gd_mesh *mesh = work->mesh;
     struct gd__edge_set edges = {0};
-    struct ear_clipper *clipper = ear_clipper_create(most_corners);
-    enum gd_status status = clipper ? GD_OK : GD_NO_MEMORY;
+    struct gd__arrays arrays = {0};
+    struct ear_clipper clipper = {
+        .corner = gd__arrays_take(&arrays, most_corners, sizeof *clipper.corner),
+        .reflex = gd__arrays_take(&arrays, most_corners, sizeof *clipper.reflex)};
+    enum gd_status status = arrays.status;
     /* the set must have room for all edges and all diagonals of the polygons */
     if (!status)
         status = gd__edge_set_create(gd_polygons_corner_count(work->polygons) +
                                          (uint64_t)mesh->face_count,
                                      &work->pace, &edges);
-    if (!status) status = split_all(work, clipper, &edges);
+    if (!status) status = split_all(work, &clipper, &edges);
     gd__edge_set_free(&edges);
-    ear_clipper_free(clipper);
+    gd__arrays_free(&arrays);
     return status;
 }
 

@@ -1,7 +1,5 @@
 #include "plane/triangulation.h"
 
-#include <stdlib.h>
-
 /* A segment that crosses n sides may cause at most FLIPS_A_SIDE * (n + 1)^2 flips, which is far
  * more than needed. */
 #define FLIPS_A_SIDE 16
@@ -10,10 +8,7 @@
 
 void gd__plane_free(struct gd__plane *plane)
 {
-    free(plane->sites);
-    free(plane->triangle_at);
-    free(plane->triangles);
-    free(plane->queue);
+    gd__arrays_free(&plane->arrays);
     *plane = (struct gd__plane){0};
 }
 
@@ -26,12 +21,12 @@ size_t gd__plane_bytes(uint32_t capacity)
 enum gd_status gd__plane_create(struct gd__plane *plane, uint32_t capacity)
 {
     plane->capacity = capacity;
-    plane->sites = malloc(capacity * sizeof *plane->sites);
-    plane->triangle_at = malloc(capacity * sizeof *plane->triangle_at);
-    plane->triangles = malloc(TRIANGLES(capacity) * sizeof *plane->triangles);
-    plane->queue = malloc(3 * TRIANGLES(capacity) * sizeof *plane->queue);
-    return plane->sites && plane->triangle_at && plane->triangles && plane->queue ? GD_OK
-                                                                                  : GD_NO_MEMORY;
+    struct gd__arrays *arrays = &plane->arrays;
+    plane->sites = gd__arrays_take(arrays, capacity, sizeof *plane->sites);
+    plane->triangle_at = gd__arrays_take(arrays, capacity, sizeof *plane->triangle_at);
+    plane->triangles = gd__arrays_take(arrays, TRIANGLES(capacity), sizeof *plane->triangles);
+    plane->queue = gd__arrays_take(arrays, 3 * TRIANGLES(capacity), sizeof *plane->queue);
+    return arrays->status;
 }
 
 /* --- triangles -------------------------------------------------------------------------------- */

@@ -13,6 +13,7 @@
 #ifndef GD_PLANE_TRIANGULATION_H
 #define GD_PLANE_TRIANGULATION_H
 
+#include "base/arrays.h"
 #include "base/pace.h"
 #include "gd/polygons.h"
 #include "plane/site.h"
@@ -31,6 +32,7 @@ struct gd__plane_side {
 
 struct gd__plane {
     struct gd__pace *pace; /* borrowed */
+    struct gd__arrays arrays;
     /* Returns true if the common side of two triangles is to be flipped. Must return false if the
        triangles do not form a strictly convex quadrilateral. It is not called for segments. */
     bool (*is_bad)(const struct gd__plane *plane, struct gd__plane_side side);

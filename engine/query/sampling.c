@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/arrays.h"
 #include "base/share.h"
 #include "gd/field.h"
 #include "mesh/topology.h"
@@ -94,17 +95,15 @@ enum gd_status gd_sampling_farthest(const struct gd_mesh *mesh, const struct gd_
                   indices * sizeof(double);
     enum gd_status status = gd_control_afford(control, held);
     if (status) return status;
+    struct gd__arrays arrays = {0};
     struct sampler sampler = {.mesh = mesh, .detail = detail};
-    sampler.seeds = calloc(count + (size_t)1, sizeof *sampler.seeds);
-    sampler.radii = malloc(count * sizeof *sampler.radii);
-    sampler.distances = malloc(indices * sizeof *sampler.distances);
-    status = sampler.seeds && sampler.radii && sampler.distances
-                 ? sampling_sample(&sampler, start, count, control, held)
-                 : GD_NO_MEMORY;
+    sampler.seeds = gd__arrays_zeroed(&arrays, count + (size_t)1, sizeof *sampler.seeds);
+    sampler.radii = gd__arrays_take(&arrays, count, sizeof *sampler.radii);
+    sampler.distances = gd__arrays_take(&arrays, indices, sizeof *sampler.distances);
+    status = arrays.status;
+    if (!status) status = sampling_sample(&sampler, start, count, control, held);
     for (uint32_t i = 0; i < count && !status; i++) out->points[i] = sampler.seeds[i].point;
     if (!status) memcpy(out->radii, sampler.radii, count * sizeof *out->radii);
-    free(sampler.seeds);
-    free(sampler.radii);
-    free(sampler.distances);
+    gd__arrays_free(&arrays);
     return status;
 }
