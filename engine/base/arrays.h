@@ -6,11 +6,13 @@
  *     if (!arrays.status) arrays.status = work(length, seen);
  *     gd__arrays_free(&arrays);
  *
- * Arrays do not move. After a failure all further calls return NULL, so the caller checks `status`
+ * An array stays at its place unless it is extended. After a failure all further calls return NULL, so the caller checks `status`
  * once, before it uses the arrays. A struct that is all zero has no arrays and no limit. One owner,
  * one thread. */
 #ifndef GD_BASE_ARRAYS_H
 #define GD_BASE_ARRAYS_H
+
+#include <string.h>
 
 #include "base/budget.h"
 
@@ -26,6 +28,29 @@ struct gd__arrays {
  * on a failure, which is in arrays->status. */
 void *gd__arrays_take(struct gd__arrays *arrays, size_t count, size_t size);
 void *gd__arrays_zeroed(struct gd__arrays *arrays, size_t count, size_t size);
+
+/* Makes room for `count` items in an array of the owner, or a new one, whose pointer is stored at the
+ * address `array`. The capacity doubles. The budget must cover the old and the new array together.
+ * On failure the array is unchanged. Errors: GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE (more than 2^32 - 1
+ * items). */
+GD_MUST_USE enum gd_status gd__arrays_extend(struct gd__arrays *arrays, void *array,
+                                             uint32_t *capacity, uint64_t count, size_t size);
+
+/* Appends a copy of `item`, which must not point into the array. Errors: those of
+ * gd__arrays_extend. */
+GD_MUST_USE static inline enum gd_status gd__arrays_append(struct gd__arrays *arrays, void *array,
+                                                           uint32_t *count, uint32_t *capacity,
+                                                           const void *item, size_t size)
+{
+    char *items;
+    enum gd_status status =
+        *count < *capacity ? GD_OK
+                           : gd__arrays_extend(arrays, array, capacity, *count + UINT64_C(1), size);
+    if (status) return status;
+    memcpy(&items, array, sizeof items);
+    memcpy(items + size * (*count)++, item, size);
+    return GD_OK;
+}
 
 /* Frees all arrays. Keeps the status. */
 void gd__arrays_free(struct gd__arrays *arrays);

@@ -22,14 +22,14 @@ static enum gd_status find_parts(struct gd__ridges *ridges)
 static enum gd_status trace_ridges(struct gd__ridges *ridges, const uint32_t *member_of_seed)
 {
     struct gd__diagram *diagram = &ridges->diagram;
-    enum gd_status status = gd__members_find(diagram->field, member_of_seed, &diagram->members);
+    enum gd_status status =
+        gd__members_find(diagram->field, member_of_seed, &diagram->arrays, &diagram->members);
     if (!status) status = gd__ridges_open(ridges);
     if (!status) status = find_parts(ridges);
     if (!status) status = gd__ridges_finish(ridges);
     if (!status) gd__ridges_count(ridges);
     if (!status) status = gd__ridges_close_gaps(ridges);
     if (!status) status = gd__ridges_keep_branches(ridges);
-    gd__ridges_free_ends(ridges);
     return status;
 }
 
@@ -41,13 +41,13 @@ enum gd_status gd_cut_locus_trace(const struct gd_field *field, const uint32_t *
     if (!(options->tolerance > 0 && min_angle >= 0 && min_angle <= M_PI))
         return GD_INVALID_ARGUMENT;
     if (field->reach < GD__FAR) return GD_BEYOND_REACH;
-    struct gd__ridges ridges = {.diagram = {.field = field, .mesh = field->mesh},
-                                .tolerance = options->tolerance / field->mesh->unit,
-                                .min_angle = fmax(min_angle, GD_CUT_LOCUS_ANGLE),
-                                .pace.control = control};
+    struct gd__ridges ridges = {
+        .diagram = {.field = field, .mesh = field->mesh, .arrays.budget.control = control},
+        .tolerance = options->tolerance / field->mesh->unit,
+        .min_angle = fmax(min_angle, GD_CUT_LOCUS_ANGLE),
+        .pace.control = control};
     enum gd_status status = trace_ridges(&ridges, member_of_seed);
-    const struct gd__export_options export = {ridges.tolerance, control, gd__ridges_held(&ridges),
-                                              LINES_PROGRESS};
+    const struct gd__export_options export = {ridges.tolerance, control, LINES_PROGRESS};
     if (!status) status = gd__diagram_export(&ridges.diagram, &export, out);
     gd__ridges_close(&ridges);
     return status;

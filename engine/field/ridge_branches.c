@@ -1,5 +1,3 @@
-#include <stdlib.h>
-
 #include "field/ridges.h"
 #include "mesh/union_find.h"
 
@@ -12,28 +10,6 @@ struct work {
     uint32_t *parent; /* a forest of the parts of each branch */
     bool *keep;
 };
-
-static void work_free(struct work *work)
-{
-    free(work->parent);
-    free(work->keep);
-}
-
-static enum gd_status work_allocate(const struct gd__ridges *ridges, struct work *out)
-{
-    size_t parts = ridges->diagram.bisector_part_count + (size_t)1;
-    enum gd_status status = gd_control_afford(
-        ridges->pace.control,
-        gd__ridges_held(ridges) + parts * (sizeof *out->parent + sizeof *out->keep));
-    if (status) return status;
-    struct work work = {malloc(parts * sizeof *work.parent), malloc(parts * sizeof *work.keep)};
-    if (work.parent && work.keep) {
-        *out = work;
-        return GD_OK;
-    }
-    work_free(&work);
-    return GD_NO_MEMORY;
-}
 
 /* --- branches --------------------------------------------------------------------------------- */
 
@@ -88,13 +64,14 @@ static void end_at_members(struct gd__ridges *ridges)
 
 enum gd_status gd__ridges_keep_branches(struct gd__ridges *ridges)
 {
-    struct work work;
-    enum gd_status status = work_allocate(ridges, &work);
-    if (status) return status;
+    struct gd__arrays *arrays = &ridges->diagram.arrays;
+    size_t parts = ridges->diagram.bisector_part_count;
+    const struct work work = {gd__arrays_take(arrays, parts, sizeof *work.parent),
+                              gd__arrays_take(arrays, parts, sizeof *work.keep)};
+    if (arrays->status) return arrays->status;
     mark_branches(ridges, &work);
     keep_parts(ridges, work.keep);
     gd__ridges_count(ridges);
     end_at_members(ridges);
-    work_free(&work);
     return ridges->pace.status;
 }

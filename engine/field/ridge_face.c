@@ -331,8 +331,9 @@ static enum gd_status find_rivals(struct work *work)
     uint32_t count = work->sources->count;
     work->row = (count + BITS - 1) / BITS;
     uint64_t words = (uint64_t)work->row * count;
-    enum gd_status status = gd__array_extend(&ridges->rivals, &ridges->rivals_capacity, words,
-                                             sizeof *ridges->rivals, ridges->pace.control);
+    enum gd_status status =
+        gd__arrays_extend(&ridges->diagram.arrays, &ridges->rivals, &ridges->rivals_capacity, words,
+                          sizeof *ridges->rivals);
     for (uint32_t i = 0; i < count && !status; i++) {
         const struct gd__view *view = &ridges->scratch.view[i];
         struct corners corners = corners_of(view);

@@ -73,8 +73,7 @@ static struct place place_of(const struct gd__diagram *diagram, uint32_t node)
     return (struct place){*point, x, node};
 }
 
-/* Lists the nodes on marked elements, or the loose nodes if `marks` is NULL, sorted by element. The
- * caller frees them. */
+/* Lists the nodes on marked elements, or the loose nodes if `marks` is NULL, sorted by element. */
 static enum gd_status list_places(struct gd__ridges *ridges, const bool *marks, struct places *out)
 {
     const struct gd__diagram *diagram = &ridges->diagram;
@@ -93,12 +92,8 @@ static enum gd_status list_places(struct gd__ridges *ridges, const bool *marks, 
         }
         if (pace->status) return pace->status;
         if (pass) break;
-        size_t bytes = (found + (size_t)1) * sizeof *out->place;
-        enum gd_status status = gd_control_afford(pace->control, pace->held + bytes);
-        if (status) return status;
-        out->place = malloc(bytes);
-        if (!out->place) return GD_NO_MEMORY;
-        pace->held += bytes;
+        out->place = gd__arrays_take(&ridges->diagram.arrays, found, sizeof *out->place);
+        if (!out->place) return ridges->diagram.arrays.status;
         count = found;
     }
     out->count = count;
@@ -331,16 +326,12 @@ static void drop_copies(struct gd__ridges *ridges, uint32_t behind)
 static enum gd_status find_places(struct gd__ridges *ridges, struct places *loose,
                                   struct places *near)
 {
-    size_t bytes = marks_size(ridges->diagram.mesh);
-    enum gd_status status = gd_control_afford(ridges->pace.control, ridges->pace.held + bytes);
-    bool *marks = status ? NULL : calloc(bytes, sizeof *marks);
-    if (!marks) return status ? status : GD_NO_MEMORY;
-    ridges->pace.held += bytes;
-    status = list_places(ridges, NULL, loose);
+    struct gd__arrays *arrays = &ridges->diagram.arrays;
+    bool *marks = gd__arrays_zeroed(arrays, marks_size(ridges->diagram.mesh), sizeof *marks);
+    if (!marks) return arrays->status;
+    enum gd_status status = list_places(ridges, NULL, loose);
     if (!status) mark_gaps(ridges, loose, marks);
-    if (!status) status = list_places(ridges, marks, near);
-    free(marks);
-    return status;
+    return status ? status : list_places(ridges, marks, near);
 }
 
 enum gd_status gd__ridges_close_gaps(struct gd__ridges *ridges)
@@ -353,9 +344,6 @@ enum gd_status gd__ridges_close_gaps(struct gd__ridges *ridges)
             status = close_gap(ridges, &near, &loose.place[i]);
         if (!status) status = gd__pace_step(&ridges->pace, 16);
     }
-    free(loose.place);
-    free(near.place);
-    ridges->pace.held = gd__ridges_held(ridges);
     if (status) return status;
     drop_copies(ridges, behind);
     return ridges->pace.status;

@@ -1,102 +1,33 @@
 #include <stdlib.h>
 
-#include "base/array.h"
 #include "field/ridges.h"
 
 /* The graph of ridges: parts are added, and their ends are matched at nodes. */
 
 /* --- memory ----------------------------------------------------------------------------------- */
 
-/* Returns the bytes of the arrays with an entry for each vertex or edge. */
-static size_t element_bytes(const struct gd__ridges *ridges)
-{
-    const struct gd_mesh *mesh = ridges->diagram.mesh;
-    return mesh->vertex_count * sizeof *ridges->vertex_node +
-           mesh->edge_count * (sizeof *ridges->first_waiting + sizeof *ridges->has_along);
-}
-
 enum gd_status gd__ridges_open(struct gd__ridges *ridges)
 {
     const struct gd_mesh *mesh = ridges->diagram.mesh;
+    struct gd__arrays *arrays = &ridges->diagram.arrays;
     size_t vertices = mesh->vertex_count, edges = mesh->edge_count;
-    enum gd_status status =
-        gd_control_afford(ridges->pace.control, gd__ridges_held(ridges) + element_bytes(ridges));
-    if (status) return status;
     ridges->unused = GD_NONE;
-    ridges->vertex_node = malloc(vertices * sizeof *ridges->vertex_node);
-    ridges->first_waiting = malloc(edges * sizeof *ridges->first_waiting);
-    ridges->has_along = calloc(edges, sizeof *ridges->has_along);
-    if (!ridges->vertex_node || !ridges->first_waiting || !ridges->has_along) return GD_NO_MEMORY;
+    ridges->vertex_node = gd__arrays_take(arrays, vertices, sizeof *ridges->vertex_node);
+    ridges->first_waiting = gd__arrays_take(arrays, edges, sizeof *ridges->first_waiting);
+    ridges->has_along = gd__arrays_zeroed(arrays, edges, sizeof *ridges->has_along);
+    if (arrays->status) return arrays->status;
     gd__pace_fill(&ridges->pace, ridges->vertex_node, vertices * sizeof *ridges->vertex_node);
     gd__pace_fill(&ridges->pace, ridges->first_waiting, edges * sizeof *ridges->first_waiting);
-    ridges->pace.held = gd__ridges_held(ridges);
     return ridges->pace.status;
-}
-
-void gd__ridges_free_ends(struct gd__ridges *ridges)
-{
-    free(ridges->pair);
-    free(ridges->vertex_node);
-    free(ridges->first_waiting);
-    free(ridges->has_along);
-    free(ridges->waiting);
-    free(ridges->here);
-    free(ridges->along);
-    free(ridges->rivals);
-    ridges->rivals = NULL;
-    ridges->pair = NULL;
-    ridges->vertex_node = ridges->first_waiting = NULL;
-    ridges->has_along = NULL;
-    ridges->waiting = NULL;
-    ridges->here = NULL;
-    ridges->along = NULL;
-    ridges->rivals_capacity = ridges->pair_capacity = ridges->waiting_capacity =
-        ridges->here_capacity = ridges->along_capacity = 0;
 }
 
 void gd__ridges_close(struct gd__ridges *ridges)
 {
-    gd__members_destroy(&ridges->diagram.members);
     gd__sources_destroy(&ridges->scratch.sources);
     free(ridges->scratch.view);
     free(ridges->scratch.covered.span);
     free(ridges->scratch.spans.span);
-    free(ridges->diagram.node);
-    free(ridges->diagram.bisector_part);
-    free(ridges->diagram.arc);
-    gd__ridges_free_ends(ridges);
-}
-
-size_t gd__ridges_held(const struct gd__ridges *ridges)
-{
-    const struct gd__diagram *diagram = &ridges->diagram;
-    return diagram->field->seed_count *
-               (sizeof *diagram->members.of + sizeof *diagram->members.nudge) +
-           diagram->mesh->vertex_count * sizeof *diagram->members.of +
-           (ridges->vertex_node ? element_bytes(ridges) : 0) +
-           GD__MEMBER_BLOCKS * sizeof *diagram->members.of_block +
-           diagram->node_capacity * sizeof *diagram->node +
-           diagram->bisector_part_capacity * sizeof *diagram->bisector_part +
-           diagram->arc_capacity * sizeof *diagram->arc +
-           ridges->pair_capacity * sizeof *ridges->pair +
-           ridges->waiting_capacity * sizeof *ridges->waiting +
-           ridges->here_capacity * sizeof *ridges->here +
-           ridges->rivals_capacity * sizeof *ridges->rivals +
-           ridges->along_capacity * sizeof *ridges->along;
-}
-
-/* Makes room for one more item of an array. The budget must cover the larger array and all memory
- * that is held, which includes the smaller array. */
-static enum gd_status make_room(struct gd__ridges *ridges, void *array, uint32_t *capacity,
-                                uint32_t count, size_t size)
-{
-    if (count < *capacity) return GD_OK;
-    size_t larger = gd__array_capacity(*capacity, count + 1) * size;
-    enum gd_status status =
-        gd_control_afford(ridges->pace.control, gd__ridges_held(ridges) + larger);
-    if (!status) status = gd__array_extend(array, capacity, count + UINT64_C(1), size, NULL);
-    ridges->pace.held = gd__ridges_held(ridges);
-    return status;
+    gd__arrays_free(&ridges->diagram.arrays);
 }
 
 /* --- parts ------------------------------------------------------------------------------------ */
@@ -107,21 +38,9 @@ static enum gd_status add_part(struct gd__ridges *ridges, const struct gd__ridge
     struct gd__diagram *diagram = &ridges->diagram;
     uint32_t count = diagram->bisector_part_count;
     enum gd_status status =
-        make_room(ridges, &ridges->pair, &ridges->pair_capacity, count, sizeof *ridges->pair);
-    if (!status)
-        status = make_room(ridges, &diagram->bisector_part, &diagram->bisector_part_capacity, count,
-                           sizeof *diagram->bisector_part);
-    if (status) return status;
-    ridges->pair[count] = ridge->pair;
-    return gd__diagram_add_bisector_part(diagram, &ridge->part, out);
-}
-
-static enum gd_status add_arc(struct gd__ridges *ridges, const struct gd__arc *arc, uint32_t *out)
-{
-    struct gd__diagram *diagram = &ridges->diagram;
-    enum gd_status status = make_room(ridges, &diagram->arc, &diagram->arc_capacity,
-                                      diagram->arc_count, sizeof *diagram->arc);
-    return status ? status : gd__diagram_add_arc(diagram, arc, out);
+        gd__arrays_append(&diagram->arrays, &ridges->pair, &count, &ridges->pair_capacity,
+                          &ridge->pair, sizeof ridge->pair);
+    return status ? status : gd__diagram_add_bisector_part(diagram, &ridge->part, out);
 }
 
 static uint32_t *node_of(const struct gd__ridges *ridges, const struct gd__ridge_end *end)
@@ -131,10 +50,7 @@ static uint32_t *node_of(const struct gd__ridges *ridges, const struct gd__ridge
 
 static enum gd_status add_node(struct gd__ridges *ridges, const struct gd__ridge_end *end)
 {
-    struct gd__diagram *diagram = &ridges->diagram;
-    enum gd_status status = make_room(ridges, &diagram->node, &diagram->node_capacity,
-                                      diagram->node_count, sizeof *diagram->node);
-    return status ? status : gd__diagram_add_node(diagram, &end->point, node_of(ridges, end));
+    return gd__diagram_add_node(&ridges->diagram, &end->point, node_of(ridges, end));
 }
 
 static enum gd_status put_at_vertex(struct gd__ridges *ridges, const struct gd__ridge_end *end)
@@ -154,13 +70,11 @@ static enum gd_status put_on_edge(struct gd__ridges *ridges, const struct gd__ri
     uint32_t *first = &ridges->first_waiting[end->element], at = ridges->unused;
     const struct gd__waiting_end waiting = {end->at.x, end->near, end->part, end->end, *first};
     if (at == GD_NONE) {
-        enum gd_status status = make_room(ridges, &ridges->waiting, &ridges->waiting_capacity,
-                                          ridges->waiting_count, sizeof waiting);
-        if (status) return status;
-        at = ridges->waiting_count++;
-    } else {
-        ridges->unused = ridges->waiting[at].next;
+        *first = ridges->waiting_count;
+        return gd__arrays_append(&ridges->diagram.arrays, &ridges->waiting, &ridges->waiting_count,
+                                 &ridges->waiting_capacity, &waiting, sizeof waiting);
     }
+    ridges->unused = ridges->waiting[at].next;
     ridges->waiting[at] = waiting;
     *first = at;
     return GD_OK;
@@ -168,10 +82,8 @@ static enum gd_status put_on_edge(struct gd__ridges *ridges, const struct gd__ri
 
 static enum gd_status put_here(struct gd__ridges *ridges, const struct gd__ridge_end *end)
 {
-    enum gd_status status =
-        make_room(ridges, &ridges->here, &ridges->here_capacity, ridges->here_count, sizeof *end);
-    if (!status) ridges->here[ridges->here_count++] = *end;
-    return status;
+    return gd__arrays_append(&ridges->diagram.arrays, &ridges->here, &ridges->here_count,
+                             &ridges->here_capacity, end, sizeof *end);
 }
 
 enum gd_status gd__ridges_add(struct gd__ridges *ridges, const struct gd__ridge *ridge,
@@ -184,7 +96,8 @@ enum gd_status gd__ridges_add(struct gd__ridges *ridges, const struct gd__ridge 
     struct gd__ridge added = *ridge;
     uint32_t number;
     added.part.arc = GD_NONE;
-    enum gd_status status = arc ? add_arc(ridges, arc, &added.part.arc) : GD_OK;
+    enum gd_status status =
+        arc ? gd__diagram_add_arc(&ridges->diagram, arc, &added.part.arc) : GD_OK;
     if (!status) status = add_part(ridges, &added, &number);
     for (uint32_t k = 0; k < 2 && !status; k++) {
         struct gd__ridge_end *end = &added.end[k];
@@ -218,8 +131,9 @@ enum gd_status gd__ridges_add_along(struct gd__ridges *ridges, uint32_t edge,
     const struct gd_mesh *mesh = ridges->diagram.mesh;
     double a = place_on_edge(mesh, edge, &ridge->end[0]),
            b = place_on_edge(mesh, edge, &ridge->end[1]);
-    enum gd_status status = make_room(ridges, &ridges->along, &ridges->along_capacity,
-                                      ridges->along_count, sizeof *ridges->along);
+    enum gd_status status =
+        gd__arrays_extend(&ridges->diagram.arrays, &ridges->along, &ridges->along_capacity,
+                          ridges->along_count + UINT64_C(1), sizeof *ridges->along);
     if (status) return status;
     ridges->has_along[edge] = true;
     ridges->along[ridges->along_count++] =

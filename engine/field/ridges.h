@@ -93,17 +93,14 @@ GD_MUST_USE enum gd_status gd__ridges_of_face(struct gd__ridges *ridges, uint32_
 GD_MUST_USE enum gd_status gd__ridge_foci(struct gd__ridges *ridges, uint32_t part,
                                           struct gd__focus focus[2]);
 
-/* ridge_graph.c: gd__ridges_open allocates the arrays; gd__ridges_held returns the bytes that are
- * held. gd__ridges_free_ends frees the arrays that lines do not need. gd__ridges_add appends a part
- * with its ends and, if it is bent, its arc; gd__ridges_bridge appends a straight part between two
- * nodes; gd__ridges_add_along appends a part along an edge. gd__ridges_settle gives nodes to the
- * ends in a face, and to the ends on an edge of the face if the edge's other face is done.
- * gd__ridges_finish adds the parts along edges and gives nodes to all other ends. Errors:
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
+/* ridge_graph.c: gd__ridges_open allocates the arrays. gd__ridges_add appends a part with its ends
+ * and, if it is bent, its arc; gd__ridges_bridge appends a straight part between two nodes;
+ * gd__ridges_add_along appends a part along an edge. gd__ridges_settle gives nodes to the ends in a
+ * face, and to the ends on an edge of the face if the edge's other face is done. gd__ridges_finish
+ * adds the parts along edges and gives nodes to all other ends. Errors: GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__ridges_open(struct gd__ridges *ridges);
 void gd__ridges_close(struct gd__ridges *ridges);
-void gd__ridges_free_ends(struct gd__ridges *ridges);
-size_t gd__ridges_held(const struct gd__ridges *ridges);
 GD_MUST_USE enum gd_status gd__ridges_add(struct gd__ridges *ridges, const struct gd__ridge *ridge,
                                           const struct gd__arc *arc);
 GD_MUST_USE enum gd_status gd__ridges_bridge(struct gd__ridges *ridges,

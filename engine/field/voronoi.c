@@ -27,8 +27,8 @@ enum gd_status gd__diagram_add_node(struct gd__diagram *diagram, const struct gd
 {
     const struct gd__node node = {.point = *point, .bisector_part = {GD_NONE, GD_NONE}};
     *out = diagram->node_count;
-    return gd__array_append(&diagram->node, &diagram->node_count, &diagram->node_capacity, &node,
-                            sizeof node);
+    return gd__arrays_append(&diagram->arrays, &diagram->node, &diagram->node_count,
+                             &diagram->node_capacity, &node, sizeof node);
 }
 
 enum gd_status gd__diagram_add_bisector_part(struct gd__diagram *diagram,
@@ -36,16 +36,17 @@ enum gd_status gd__diagram_add_bisector_part(struct gd__diagram *diagram,
                                              uint32_t *out)
 {
     *out = diagram->bisector_part_count;
-    return gd__array_append(&diagram->bisector_part, &diagram->bisector_part_count,
-                            &diagram->bisector_part_capacity, bisector_part, sizeof *bisector_part);
+    return gd__arrays_append(&diagram->arrays, &diagram->bisector_part,
+                             &diagram->bisector_part_count, &diagram->bisector_part_capacity,
+                             bisector_part, sizeof *bisector_part);
 }
 
 enum gd_status gd__diagram_add_arc(struct gd__diagram *diagram, const struct gd__arc *arc,
                                    uint32_t *out)
 {
     *out = diagram->arc_count;
-    return gd__array_append(&diagram->arc, &diagram->arc_count, &diagram->arc_capacity, arc,
-                            sizeof *arc);
+    return gd__arrays_append(&diagram->arrays, &diagram->arc, &diagram->arc_count,
+                             &diagram->arc_capacity, arc, sizeof *arc);
 }
 
 void gd__diagram_count_end(struct gd__diagram *diagram, uint32_t part, uint32_t end)
@@ -62,13 +63,13 @@ void gd__diagram_count_end(struct gd__diagram *diagram, uint32_t part, uint32_t 
 static enum gd_status open_diagram(struct gd__diagram *diagram)
 {
     const struct gd_mesh *mesh = diagram->mesh;
-    diagram->owner = malloc(sizeof *diagram->owner * mesh->vertex_count);
-    diagram->nearest = malloc(sizeof *diagram->nearest * mesh->vertex_count);
-    diagram->first_switch = malloc(sizeof *diagram->first_switch * ((size_t)mesh->edge_count + 1));
-    diagram->mixture = calloc(mesh->edge_count, sizeof *diagram->mixture);
-    if (!diagram->owner || !diagram->nearest || !diagram->first_switch || !diagram->mixture)
-        return GD_NO_MEMORY;
-    return gd__members_find(diagram->field, diagram->member_of_seed, &diagram->members);
+    struct gd__arrays *arrays = &diagram->arrays;
+    diagram->owner = gd__arrays_take(arrays, mesh->vertex_count, sizeof *diagram->owner);
+    diagram->nearest = gd__arrays_take(arrays, mesh->vertex_count, sizeof *diagram->nearest);
+    diagram->first_switch =
+        gd__arrays_take(arrays, mesh->edge_count + (size_t)1, sizeof *diagram->first_switch);
+    diagram->mixture = gd__arrays_zeroed(arrays, mesh->edge_count, sizeof *diagram->mixture);
+    return gd__members_find(diagram->field, diagram->member_of_seed, arrays, &diagram->members);
 }
 
 /* Returns true if a seed lies at the vertex. The seed's member then wins ties of paths that begin
@@ -93,19 +94,6 @@ static void reset_owners(struct gd__diagram *diagram)
     }
 }
 
-static void close_diagram(struct gd__diagram *diagram)
-{
-    gd__members_destroy(&diagram->members);
-    free(diagram->owner);
-    free(diagram->nearest);
-    free(diagram->first_switch);
-    free(diagram->mixture);
-    free(diagram->node);
-    free(diagram->edge_switch);
-    free(diagram->bisector_part);
-    free(diagram->arc);
-}
-
 static void close_scratch(struct gd__voronoi_scratch *scratch)
 {
     gd__stack_destroy(&scratch->envelope);
@@ -127,24 +115,10 @@ struct tracer {
     uint32_t work;
 };
 
-/* Returns the bytes of the diagram, including the copy of an array that grows. */
-static size_t held_by(const struct gd__diagram *diagram)
-{
-    return diagram->mesh->vertex_count *
-               (sizeof *diagram->owner + sizeof *diagram->nearest + sizeof(uint32_t)) +
-           diagram->mesh->edge_count *
-               (sizeof *diagram->first_switch + sizeof *diagram->mixture + sizeof(bool)) +
-           2 * (diagram->node_capacity * sizeof *diagram->node +
-                diagram->switch_capacity * sizeof *diagram->edge_switch +
-                diagram->bisector_part_capacity * sizeof *diagram->bisector_part +
-                diagram->arc_capacity * sizeof *diagram->arc);
-}
-
 static enum gd_status check_work(struct tracer *tracer, double fraction)
 {
     if (tracer->work++ % CHECK_INTERVAL) return GD_OK;
-    enum gd_status status = gd_control_afford(tracer->control, held_by(&tracer->diagram));
-    return status ? status : gd_control_check(tracer->control, fraction);
+    return gd_control_check(tracer->control, fraction);
 }
 
 static bool is_reached(const struct gd__diagram *diagram, uint32_t edge)
@@ -232,16 +206,15 @@ static enum gd_status find_strands(struct tracer *tracer, const bool *is_mixed)
 static enum gd_status trace_diagram(struct tracer *tracer, double tolerance, struct gd_voronoi *out)
 {
     struct gd__diagram *diagram = &tracer->diagram;
-    bool *is_mixed = malloc(sizeof *is_mixed * diagram->mesh->edge_count);
-    enum gd_status status = is_mixed ? open_diagram(diagram) : GD_NO_MEMORY;
+    bool *is_mixed = gd__arrays_take(&diagram->arrays, diagram->mesh->edge_count, sizeof *is_mixed);
+    enum gd_status status = open_diagram(diagram);
     if (!status) status = gd__members_settle(diagram->field, tracer->control, &diagram->members);
     if (!status) status = settle_owners(tracer);
     if (!status) status = find_switches(tracer, is_mixed);
     if (!status) status = find_strands(tracer, is_mixed);
     const struct gd__export_options export = {tolerance / diagram->mesh->unit, tracer->control,
-                                              held_by(diagram), progress.lines};
+                                              progress.lines};
     if (!status) status = gd__diagram_export(diagram, &export, out);
-    free(is_mixed);
     return status;
 }
 
@@ -251,11 +224,13 @@ enum gd_status gd_voronoi_trace(const struct gd_field *field, const uint32_t *me
 {
     if (!(tolerance > 0)) return GD_INVALID_ARGUMENT;
     if (field->reach < GD__FAR) return GD_BEYOND_REACH;
-    struct tracer tracer = {
-        .diagram = {.field = field, .mesh = field->mesh, .member_of_seed = member_of_seed},
-        .control = control};
+    struct tracer tracer = {.diagram = {.field = field,
+                                        .mesh = field->mesh,
+                                        .member_of_seed = member_of_seed,
+                                        .arrays.budget.control = control},
+                            .control = control};
     enum gd_status status = trace_diagram(&tracer, tolerance, out);
-    close_diagram(&tracer.diagram);
+    gd__arrays_free(&tracer.diagram.arrays);
     close_scratch(&tracer.scratch);
     return status;
 }

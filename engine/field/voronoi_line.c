@@ -39,13 +39,6 @@ static enum gd_status check_work(const struct writer *writer)
     return gd_control_check(writer->how->control, progress + (1 - progress) * done);
 }
 
-/* Returns the bytes that are held, except those of the points. */
-static size_t held_by(const struct writer *writer)
-{
-    return writer->how->held + writer->diagram->bisector_part_count * sizeof *writer->visited +
-           writer->line_capacity * (2 * sizeof *writer->line + sizeof(struct gd_bisector));
-}
-
 /* Makes room for points. The budget must cover the larger array and the smaller one. */
 static enum gd_status make_room(struct writer *writer, uint64_t count)
 {
@@ -53,8 +46,10 @@ static enum gd_status make_room(struct writer *writer, uint64_t count)
     if (count > UINT32_MAX) return GD_TOO_LARGE;
     uint64_t larger = gd__array_capacity(writer->point_capacity, (uint32_t)count),
              points = larger + writer->point_capacity;
+    size_t lines = writer->line_capacity * sizeof(struct gd_bisector);
     enum gd_status status =
-        gd_control_afford(writer->how->control, held_by(writer) + points * sizeof *writer->point);
+        gd_control_afford(writer->how->control, writer->diagram->arrays.budget.held + lines +
+                                                    points * sizeof *writer->point);
     return status ? status
                   : gd__array_extend(&writer->point, &writer->point_capacity, count,
                                      sizeof *writer->point, NULL);
@@ -186,8 +181,9 @@ static void write_line(struct writer *writer, uint32_t bisector_part, uint32_t n
     if (writer->length <= writer->least)
         writer->point_count = line.first;
     else if (!writer->status)
-        writer->status = gd__array_append(&writer->line, &writer->line_count,
-                                          &writer->line_capacity, &line, sizeof line);
+        writer->status =
+            gd__arrays_append(&writer->diagram->arrays, &writer->line, &writer->line_count,
+                              &writer->line_capacity, &line, sizeof line);
 }
 
 static bool ends_at(const struct gd__diagram *diagram, uint32_t bisector_part, int end)
@@ -264,14 +260,13 @@ enum gd_status gd__diagram_export(struct gd__diagram *diagram, const struct gd__
 {
     struct writer writer = {
         .diagram = diagram, .how = how, .least = GD_TOL_CHECK * diagram->members.farthest};
-    writer.visited = calloc((size_t)diagram->bisector_part_count + 1, sizeof *writer.visited);
-    if (!writer.visited) return GD_NO_MEMORY;
+    writer.visited =
+        gd__arrays_zeroed(&diagram->arrays, diagram->bisector_part_count, sizeof *writer.visited);
+    if (!writer.visited) return diagram->arrays.status;
     writer.status = make_room_for_lines(&writer);
     write_lines(&writer);
     enum gd_status status = writer.status;
     if (!status) status = hand_over(&writer, out);
-    free(writer.visited);
     free(writer.point);
-    free(writer.line);
     return status;
 }

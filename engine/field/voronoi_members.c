@@ -188,21 +188,18 @@ static void find_nudges(const struct gd_field *field, struct gd__members *member
 }
 
 enum gd_status gd__members_find(const struct gd_field *field, const uint32_t *member_of_seed,
-                                struct gd__members *out)
+                                struct gd__arrays *arrays, struct gd__members *out)
 {
-    size_t sources = (size_t)field->mesh->vertex_count + field->seed_count;
-    struct gd__members members = {.of = malloc(sizeof *members.of * sources),
-                                  .nudge = malloc(sizeof *members.nudge * field->seed_count),
-                                  .of_block = malloc(sizeof *members.of_block * GD__MEMBER_BLOCKS)};
-    enum gd_status status = GD_NO_MEMORY;
-    if (members.of && members.nudge && members.of_block)
-        status = assign_seeds(field, member_of_seed, members.of + field->mesh->vertex_count);
-    for (uint32_t v = 0; v < field->mesh->vertex_count && !status; v++) members.of[v] = GD_NONE;
+    uint32_t vertices = field->mesh->vertex_count;
+    struct gd__members members = {0};
+    members.of = gd__arrays_take(arrays, (size_t)vertices + field->seed_count, sizeof *members.of);
+    members.nudge = gd__arrays_take(arrays, field->seed_count, sizeof *members.nudge);
+    members.of_block = gd__arrays_take(arrays, GD__MEMBER_BLOCKS, sizeof *members.of_block);
+    enum gd_status status = arrays->status;
+    if (!status) status = assign_seeds(field, member_of_seed, members.of + vertices);
+    for (uint32_t v = 0; v < vertices && !status; v++) members.of[v] = GD_NONE;
     if (!status) status = find_owners(field, &members);
-    if (status) {
-        gd__members_destroy(&members);
-        return status;
-    }
+    if (status) return status;
     find_nudges(field, &members);
     *out = members;
     return GD_OK;
@@ -273,14 +270,6 @@ enum gd_status gd__members_settle(const struct gd_field *field, const struct gd_
     return find_owners(field, members);
 }
 
-void gd__members_destroy(struct gd__members *members)
-{
-    free(members->of);
-    free(members->nudge);
-    free(members->of_block);
-    *members = (struct gd__members){0};
-}
-
 /* --- labels ----------------------------------------------------------------------------------- */
 
 enum gd_status gd_voronoi_labels(const struct gd_field *field, const uint32_t *member_of_seed,
@@ -288,13 +277,13 @@ enum gd_status gd_voronoi_labels(const struct gd_field *field, const uint32_t *m
 {
     const struct gd_mesh *mesh = field->mesh;
     struct gd__members members;
-    enum gd_status status = gd__members_find(field, member_of_seed, &members);
-    if (status) return status;
-    for (uint32_t i = 0; i < mesh->summary.index_count; i++) {
+    struct gd__arrays arrays = {0};
+    enum gd_status status = gd__members_find(field, member_of_seed, &arrays, &members);
+    for (uint32_t i = 0; i < mesh->summary.index_count && !status; i++) {
         uint32_t vertex = mesh->vertex_of_index[i];
         bool is_known = vertex != GD_NONE && field->distance[vertex] <= field->reach;
         out[i] = is_known ? members.of[vertex] : UINT32_MAX;
     }
-    gd__members_destroy(&members);
-    return GD_OK;
+    gd__arrays_free(&arrays);
+    return status;
 }

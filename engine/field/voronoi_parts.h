@@ -19,6 +19,7 @@
 #ifndef GD_FIELD_VORONOI_PARTS_H
 #define GD_FIELD_VORONOI_PARTS_H
 
+#include "base/arrays.h"
 #include "base/prefetch.h"
 #include "field/source_view.h"
 #include "gd/voronoi.h"
@@ -46,7 +47,7 @@ static inline uint32_t gd__member_of(const struct gd__members *members, uint32_t
  * Errors: GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_INTERNAL. */
 GD_MUST_USE enum gd_status gd__members_find(const struct gd_field *field,
                                             const uint32_t *member_of_seed,
-                                            struct gd__members *out);
+                                            struct gd__arrays *arrays, struct gd__members *out);
 
 /* Assigns a point seed that lies on another member's segment to that member. Such a point is
  * nowhere strictly nearest, but the nudge might give it a region. Errors: GD_INTERNAL,
@@ -59,7 +60,6 @@ GD_MUST_USE enum gd_status gd__members_settle(const struct gd_field *field,
  * Error: GD_INTERNAL. */
 GD_MUST_USE enum gd_status gd__members_change(const struct gd_field *field, const uint32_t *owner,
                                               struct gd__members *members);
-void gd__members_destroy(struct gd__members *members);
 
 struct gd__node {
     struct gd_point point;
@@ -96,6 +96,7 @@ struct gd__diagram {
     const struct gd_field *field;
     const struct gd_mesh *mesh;
     const uint32_t *member_of_seed; /* NULL means that each seed is a member */
+    struct gd__arrays arrays;       /* those of this struct */
     struct gd__members members;
     /* for each vertex, members.of, or the member that wins a tie */
     uint32_t *owner;
@@ -180,7 +181,6 @@ GD_MUST_USE enum gd_status gd__face_match(struct gd__diagram *diagram,
 struct gd__export_options {
     double tolerance; /* normalised unit */
     const struct gd_control *control;
-    size_t held;     /* bytes held by the diagram */
     double progress; /* progress of the call */
 };
 
@@ -190,7 +190,8 @@ GD_MUST_USE enum gd_status gd__diagram_export(struct gd__diagram *diagram,
                                               const struct gd__export_options *how,
                                               struct gd_voronoi *out);
 
-/* voronoi.c: append a node, a part or an arc, and set *out to its number. Error: GD_NO_MEMORY. */
+/* voronoi.c: append a node, a part or an arc, and set *out to its number. Errors: GD_NO_MEMORY,
+ * GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__diagram_add_node(struct gd__diagram *diagram,
                                                 const struct gd_point *point, uint32_t *out);
 GD_MUST_USE enum gd_status
