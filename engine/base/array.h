@@ -1,6 +1,5 @@
 /* Growing arrays from malloc. The capacity doubles, so appending is amortised O(1). */
-#ifndef GD_BASE_ARRAY_H
-#define GD_BASE_ARRAY_H
+#pragma once
 
 #include <stdlib.h>
 #include <string.h>
@@ -51,5 +50,3 @@ gd__array_append(void *array, uint32_t *count, uint32_t *capacity, const void *i
     memcpy(items + size * (*count)++, item, size);
     return GD_OK;
 }
-
-#endif

@@ -9,8 +9,7 @@
  * An array stays at its place unless it is extended. After a failure all further calls return NULL, so the caller checks `status`
  * once, before it uses the arrays. A struct that is all zero has no arrays and no limit. One owner,
  * one thread. */
-#ifndef GD_BASE_ARRAYS_H
-#define GD_BASE_ARRAYS_H
+#pragma once
 
 #include <string.h>
 
@@ -54,5 +53,3 @@ GD_MUST_USE static inline enum gd_status gd__arrays_append(struct gd__arrays *ar
 
 /* Frees all arrays. Keeps the status. */
 void gd__arrays_free(struct gd__arrays *arrays);
-
-#endif

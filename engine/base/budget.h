@@ -1,8 +1,7 @@
 /* Memory budget of one call: counts the bytes that all its allocations have charged.
  *
  * A budget belongs to one call and one thread. */
-#ifndef GD_BASE_BUDGET_H
-#define GD_BASE_BUDGET_H
+#pragma once
 
 #include "gd/control.h"
 
@@ -19,5 +18,3 @@ GD_MUST_USE static inline enum gd_status gd__budget_take(struct gd__budget *budg
     if (!status && budget) budget->held += bytes;
     return status;
 }
-
-#endif

@@ -2,8 +2,7 @@
  *
  * The AVX2 kernel cannot convert some numbers. The caller converts them by gd__decimals_set.
  * Stateless; any thread. */
-#ifndef GD_BASE_DECIMALS_H
-#define GD_BASE_DECIMALS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -74,6 +73,4 @@ extern const struct gd__decimal_scales {
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -1,6 +1,5 @@
 /* Hash of an integer. */
-#ifndef GD_BASE_HASH_H
-#define GD_BASE_HASH_H
+#pragma once
 
 #include <stdint.h>
 
@@ -11,5 +10,3 @@ static inline uint64_t gd__hash(uint64_t x)
     x = (x ^ x >> 27) * 0x94d049bb133111ebu;
     return x ^ x >> 31;
 }
-
-#endif

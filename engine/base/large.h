@@ -1,8 +1,7 @@
 /* Large arrays on huge pages, if the system has them. Huge pages avoid most page faults and TLB
  * misses. They also make it faster to free an array. A slow free would delay the end of a cancelled
  * call. */
-#ifndef GD_BASE_LARGE_H
-#define GD_BASE_LARGE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -18,5 +17,3 @@ void *gd__large_zeroed(size_t count, size_t size);
 
 /* Requests huge pages for memory that no code has accessed yet. */
 void gd__large_advise(void *array, size_t bytes);
-
-#endif

@@ -8,8 +8,7 @@
  *
  * After a pace has stopped, loops that use it end at once. So the caller may run several loops, and
  * must check the status only before it reads a loop's result. */
-#ifndef GD_BASE_PACE_H
-#define GD_BASE_PACE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -67,5 +66,3 @@ static inline void gd__pace_fill(struct gd__pace *pace, void *array, size_t byte
     for (size_t done = 0; done < bytes && gd__pace(pace, GD__PACE_STEPS); done += piece)
         memset((char *)array + done, 0xff, bytes - done < piece ? bytes - done : piece);
 }
-
-#endif

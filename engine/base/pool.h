@@ -3,8 +3,7 @@
  *
  * One owner, one thread. Blocks never move. A released block is reused for a request of the same
  * size. */
-#ifndef GD_BASE_POOL_H
-#define GD_BASE_POOL_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -73,5 +72,3 @@ static inline void gd__pool_release(struct gd__pool *pool, void *block, uint32_t
     *(void **)block = pool->free_blocks[size_class];
     pool->free_blocks[size_class] = block;
 }
-
-#endif

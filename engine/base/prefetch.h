@@ -1,8 +1,5 @@
 /* GD__PREFETCH: declares a function that only prefetches memory. GCC assumes that such a function
  * has no effect and drops its calls, unless it inlines the function first. */
-#ifndef GD_BASE_PREFETCH_H
-#define GD_BASE_PREFETCH_H
+#pragma once
 
 #define GD__PREFETCH static inline __attribute__((always_inline)) void
-
-#endif

@@ -1,7 +1,6 @@
 /* References: counts the owners of an immutable object. The count is its only mutable member.
  * Thread-safe. */
-#ifndef GD_BASE_REFERENCES_H
-#define GD_BASE_REFERENCES_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -17,5 +16,3 @@ static inline bool gd__references_drop(const atomic_uint *references)
 {
     return atomic_fetch_sub_explicit((atomic_uint *)references, 1, memory_order_acq_rel) == 1;
 }
-
-#endif

@@ -4,8 +4,7 @@
  * A region reserves address space for `most` bytes and extends it if necessary. The system provides
  * memory when it is first accessed, on huge pages if possible. So growing costs only page faults.
  * Memory of released regions is reused. One owner, one thread. */
-#ifndef GD_BASE_REGION_H
-#define GD_BASE_REGION_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -59,5 +58,3 @@ size_t gd__region_spare(void);
  * false in three cases: no region was closed yet, the limit would be exceeded, or there is enough
  * spare memory for two such regions. Thread-safe. */
 bool gd__region_prepare(void);
-
-#endif

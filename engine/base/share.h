@@ -1,7 +1,6 @@
 /* Share: divides the control of a long call among its parts, which run one after another. Each part
  * has its own control, which reports to the caller's control. */
-#ifndef GD_BASE_SHARE_H
-#define GD_BASE_SHARE_H
+#pragma once
 
 #include "gd/control.h"
 
@@ -16,5 +15,3 @@ struct gd__share {
  * if the progress that the part reports begins at 0 again. Its budget is the caller's budget minus
  * `held`, the bytes that the caller has allocated. The control refers to `share`. */
 struct gd_control gd__share_control(struct gd__share *share, size_t held);
-
-#endif

@@ -2,8 +2,7 @@
  *
  * The elements are divided into slices of GD__PACE_STEPS. The results do not depend on the threads
  * if the body of a slice writes only data of its own elements and reads no data of others. */
-#ifndef GD_BASE_SLICES_H
-#define GD_BASE_SLICES_H
+#pragma once
 
 #include "base/pace.h"
 
@@ -20,5 +19,3 @@ void gd__slices_run(struct gd__pace *pace, uint32_t count, gd__slice *run, void 
  * nearly all pages. And if two threads wrote to the same huge page, each of them would clear it.
  * NULL is allowed. */
 void gd__slices_touch(struct gd__pace *pace, void *array, size_t bytes);
-
-#endif

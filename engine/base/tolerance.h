@@ -1,8 +1,7 @@
 /* The tolerances of the engine, each with its reason. A tolerance that only one file of `nurbs` or
  * `loops` uses, for an iteration or a check, may be a named constant in that file. No code of the
  * engine compares with a literal epsilon. */
-#ifndef GD_BASE_TOLERANCE_H
-#define GD_BASE_TOLERANCE_H
+#pragma once
 
 /* "Strictly shorter" means shorter by more than this times the compared quantities (distances and
  * the edge's length), about 45 ulps. A tie changes nothing, so rounding cannot make two equal
@@ -459,5 +458,3 @@
  * counts as straight if its geodesic curvature away from the obstacle, times the surface's size, is
  * at most this. */
 #define GD_TOL_PRESSING 1e-7
-
-#endif

@@ -1,6 +1,5 @@
 /* A set of undirected edges: a hash table with open addressing and a fixed size. */
-#ifndef GD_CONSTRUCTION_EDGE_SET_H
-#define GD_CONSTRUCTION_EDGE_SET_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -19,5 +18,3 @@ void gd__edge_set_free(struct gd__edge_set *set);
 
 void gd__edge_set_insert(struct gd__edge_set *set, uint32_t a, uint32_t b);
 bool gd__edge_set_contains(const struct gd__edge_set *set, uint32_t a, uint32_t b);
-
-#endif

@@ -1,7 +1,6 @@
 /* Interval: finds the best triangulation of a small ring among all triangulations without forbidden
  * diagonals. */
-#ifndef GD_CONSTRUCTION_INTERVAL_H
-#define GD_CONSTRUCTION_INTERVAL_H
+#pragma once
 
 #include "construction/ring.h"
 
@@ -21,5 +20,3 @@ struct gd__interval_table {
 bool gd__interval_cut(struct gd__interval_table *table, const struct gd__ring_corner *corner,
                       uint32_t first, uint32_t count, const struct gd__edge_set *edges,
                       uint32_t (*triangle)[3]);
-
-#endif

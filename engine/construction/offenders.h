@@ -1,7 +1,6 @@
 /* Offenders: collects the elements with the lowest numbers that a check rejects. The check may find
  * them in any order. */
-#ifndef GD_CONSTRUCTION_OFFENDERS_H
-#define GD_CONSTRUCTION_OFFENDERS_H
+#pragma once
 
 #include "gd/status.h"
 
@@ -22,5 +21,3 @@ void gd__offenders_add(struct gd__offenders *offenders, uint64_t a, uint64_t b, 
  * `detail` is NULL. Returns `status`. */
 enum gd_status gd__offenders_report(const struct gd__offenders *offenders, enum gd_element kind,
                                     enum gd_status status, struct gd_detail *detail);
-
-#endif

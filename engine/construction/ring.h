@@ -1,7 +1,6 @@
 /* Ring: the remaining corners of one polygon, in space and in the polygon's mean plane. In the
  * plane they run counter-clockwise. */
-#ifndef GD_CONSTRUCTION_RING_H
-#define GD_CONSTRUCTION_RING_H
+#pragma once
 
 #include "gd/polygons.h"
 #include "gd/vec.h"
@@ -38,5 +37,3 @@ double gd__ring_shape(const struct gd__ring_corner *a, const struct gd__ring_cor
  * zero. */
 bool gd__ring_may_join(const struct gd__edge_set *edges, const struct gd__ring_corner *a,
                        const struct gd__ring_corner *b);
-
-#endif

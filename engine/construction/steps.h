@@ -1,6 +1,5 @@
 /* The steps of gd_mesh_build in this folder, in order. */
-#ifndef GD_CONSTRUCTION_STEPS_H
-#define GD_CONSTRUCTION_STEPS_H
+#pragma once
 
 #include "mesh/construction.h"
 
@@ -15,5 +14,3 @@ enum gd_status gd__check_vertices(struct gd__construction *work);
 enum gd_status gd__make_sides(struct gd__construction *work);
 enum gd_status gd__make_fans(struct gd__construction *work);
 enum gd_status gd__summarise(struct gd__construction *work);
-
-#endif

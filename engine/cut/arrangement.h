@@ -11,8 +11,7 @@
  * narrower than the reach the process might not end, so the work is limited. At the end, kept
  * segments without a common node are at least half a reach apart, far more than the rounding of
  * crossings to the lattice. */
-#ifndef GD_CUT_ARRANGEMENT_H
-#define GD_CUT_ARRANGEMENT_H
+#pragma once
 
 #include "cut/nodes.h"
 #include "gd/curve.h"
@@ -51,5 +50,3 @@ void gd__arrangement_free(struct gd__arrangement *arrangement);
 
 /* Returns true if the face has nodes or segments inside, or nodes on its sides. */
 bool gd__is_crossed(const struct gd__arrangement *arrangement, uint32_t face);
-
-#endif

@@ -4,8 +4,7 @@
  * (mesh/topology.h) in units of 2^-50. Barycentric coordinates are an affine map of the face, so
  * three points have the same orientation as in the face. Points of the face's sides are exactly on
  * the sides; for example, the coordinates of a point on side 1 sum to GD__LATTICE. */
-#ifndef GD_CUT_LATTICE_H
-#define GD_CUT_LATTICE_H
+#pragma once
 
 #include <math.h>
 
@@ -22,5 +21,3 @@ static inline double gd__from_lattice(int64_t part)
 {
     return (double)part / (double)GD__LATTICE; /* this division is exact */
 }
-
-#endif

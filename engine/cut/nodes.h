@@ -4,8 +4,7 @@
  * The reach of a face is `snap` times its longest edge. A point within the reach of a vertex, a
  * side or another node is moved onto it, so that nodes on one edge or inside one face are at least
  * the reach apart. Normalised unit. */
-#ifndef GD_CUT_NODES_H
-#define GD_CUT_NODES_H
+#pragma once
 
 #include "base/budget.h"
 #include "cut/lattice.h"
@@ -80,5 +79,3 @@ struct gd__node_walk {
     uint32_t stage, next;
 };
 uint32_t gd__nodes_walk(const struct gd__nodes *nodes, uint32_t face, struct gd__node_walk *walk);
-
-#endif

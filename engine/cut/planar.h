@@ -9,8 +9,7 @@
  *
  * The positions, in the plane of the face, are used only to choose among possible flips: they
  * maximise the least angles, which avoids flat triangles. */
-#ifndef GD_CUT_PLANAR_H
-#define GD_CUT_PLANAR_H
+#pragma once
 
 #include "base/budget.h"
 #include "mesh/local.h"
@@ -32,5 +31,3 @@ GD_MUST_USE enum gd_status gd__planar_begin(struct gd__planar *planar, uint32_t 
 /* Triangulates the sites. Errors: GD_RUNAWAY (a site lies outside the corners' triangle, or on
  * another site), GD_CANCELLED, GD_DEADLINE. Quadratic time. */
 GD_MUST_USE enum gd_status gd__planar_triangulate(struct gd__planar *planar);
-
-#endif

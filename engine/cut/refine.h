@@ -2,8 +2,7 @@
  * are sides of its triangles. Triangles are ordered by the input index of their faces. Neighbouring
  * triangles are joined, except across the seam. Joined triangles form a region. Joined corners are
  * one vertex of the region. */
-#ifndef GD_CUT_REFINE_H
-#define GD_CUT_REFINE_H
+#pragma once
 
 #include "cut/seam.h"
 
@@ -30,5 +29,3 @@ GD_MUST_USE enum gd_status gd__refine(const struct gd__arrangement *arrangement,
 
 /* Returns a triangle's fraction of the area of its face. */
 double gd__refined_share(const struct gd__refined *refined, uint32_t triangle);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * Edge e has the pieces first[e] to first[e + 1] - 1, in order from the origin of its side 0; an
  * edge without nodes is one piece. */
-#ifndef GD_CUT_SEAM_H
-#define GD_CUT_SEAM_H
+#pragma once
 
 #include "base/arrays.h"
 #include "cut/arrangement.h"
@@ -30,5 +29,3 @@ GD_MUST_USE enum gd_status gd__seam_make(const struct gd__arrangement *arrangeme
 
 /* Returns the piece of an edge between two consecutive nodes a and b. */
 uint32_t gd__seam_piece(const struct gd__seam *seam, uint32_t edge, uint32_t a, uint32_t b);
-
-#endif

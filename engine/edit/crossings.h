@@ -1,7 +1,6 @@
 /* Crossings: finds the faces of a surface that pass through other faces, or that are folded back
  * onto a neighbour. */
-#ifndef GD_EDIT_CROSSINGS_H
-#define GD_EDIT_CROSSINGS_H
+#pragma once
 
 #include "gd/control.h"
 #include "gd/polygons.h"
@@ -14,5 +13,3 @@
  * memory of a mesh. */
 GD_MUST_USE enum gd_status gd__find_crossings(const struct gd_polygons *triangles,
                                               const struct gd_control *control, uint32_t *crossed);
-
-#endif

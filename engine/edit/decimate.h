@@ -1,6 +1,5 @@
 /* Runs OpenMesh's decimater once. */
-#ifndef GD_EDIT_DECIMATE_H
-#define GD_EDIT_DECIMATE_H
+#pragma once
 
 #include "gd/edit.h"
 
@@ -19,6 +18,4 @@ GD_MUST_USE enum gd_status gd__decimate(const struct gd_mesh *mesh,
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

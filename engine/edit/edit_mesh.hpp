@@ -4,8 +4,7 @@
  *
  * The connectivity is copied from gd_mesh. OpenMesh's add_face is not used, because it takes
  * quadratic time in the valence and may reject a face. */
-#ifndef GD_EDIT_EDIT_MESH_HPP
-#define GD_EDIT_EDIT_MESH_HPP
+#pragma once
 
 /* In C a struct and a function may have the same name, but -Wshadow reports this in C++. gcc
  * reports false uninitialised values in OpenMesh's Property::push_back. */
@@ -113,5 +112,3 @@ template <class Body> enum gd_status guarded(const Body &body) noexcept
 }
 
 } // namespace gd_edit
-
-#endif

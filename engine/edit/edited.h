@@ -1,7 +1,6 @@
 /* Functions that all edits use: they read a mesh and write the arrays of a result. C++ code cannot
  * include mesh/topology.h, so it reads a mesh by these functions. */
-#ifndef GD_EDIT_EDITED_H
-#define GD_EDIT_EDITED_H
+#pragma once
 
 #include "gd/edit.h"
 #include "gd/point.h"
@@ -76,6 +75,4 @@ GD_MUST_USE enum gd_status gd__subdivide_once(const struct gd_mesh *mesh,
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -1,6 +1,5 @@
 /* Patch: the triangles that fill one hole, refined and smoothed. */
-#ifndef GD_EDIT_PATCH_H
-#define GD_EDIT_PATCH_H
+#pragma once
 
 #include "gd/edit.h"
 
@@ -33,6 +32,4 @@ GD_MUST_USE enum gd_status gd__patch_refine(const struct gd__patch *rough,
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -1,7 +1,6 @@
 /* Arrivals: the number of shortest paths to a point. If there are several, the point lies on the
  * cut locus, where the direction of the shortest path jumps. */
-#ifndef GD_FIELD_ARRIVALS_H
-#define GD_FIELD_ARRIVALS_H
+#pragma once
 
 #include "field/layout.h"
 
@@ -17,5 +16,3 @@ GD_MUST_USE enum gd_status gd__field_is_cut(const struct gd_field *field,
  * the path, because other paths may join there. */
 GD_MUST_USE enum gd_status gd__field_path_is_cut(const struct gd_field *field,
                                                  const struct gd_path *path, bool *out);
-
-#endif

@@ -4,8 +4,7 @@
  * For a linear source (a segment) the circle is a straight line. An angle parametrises the line
  * too: the tangent of half the angle is the length along the line, divided by `radius`. The whole
  * line has the angles from -pi to pi, in the order of a counter-clockwise circle. */
-#ifndef GD_FIELD_CIRCLE_H
-#define GD_FIELD_CIRCLE_H
+#pragma once
 
 #include "field/sources.h"
 #include "field/spans.h"
@@ -44,5 +43,3 @@ double gd__circle_angle(const struct gd__circle *circle, struct gd__local at);
 GD_MUST_USE enum gd_status gd__circle_arcs(const struct gd__sources *sources, uint32_t i,
                                            double level, struct gd__spans *covered,
                                            struct gd__spans *arcs);
-
-#endif

@@ -2,8 +2,7 @@
  * same vertex. The distance between seed and point may be very short, and would lose digits if it
  * were computed from wedges. Therefore these functions compute it from barycentric weights that are
  * small, and from differences of weights. Normalised unit. */
-#ifndef GD_FIELD_CLOSE_SEED_H
-#define GD_FIELD_CLOSE_SEED_H
+#pragma once
 
 #include "field/path_builder.h"
 #include "mesh/polar.h"
@@ -42,5 +41,3 @@ bool gd__close_seed_find(const struct gd_field *field, uint32_t face, const doub
 /* Appends the line from the builder's last point to its close seed. */
 void gd__close_seed_trace(struct gd__path_builder *builder, uint32_t face,
                           const struct gd__close_seed *close);
-
-#endif

@@ -1,7 +1,6 @@
 /* Face frame: the plane of a face, with corner 0 at the origin and corner 1 on the positive x axis.
  * It is the frame of the face's side 0. Normalised unit. */
-#ifndef GD_FIELD_FACE_FRAME_H
-#define GD_FIELD_FACE_FRAME_H
+#pragma once
 
 #include "field/layout.h"
 #include "mesh/axes.h"
@@ -70,5 +69,3 @@ static inline struct gd_point gd__face_frame_point(const struct gd_mesh *mesh, u
     double sum = w0 + w1 + w2;
     return gd__point_of_face(mesh, face, (double[3]){w0 / sum, w1 / sum, w2 / sum});
 }
-
-#endif

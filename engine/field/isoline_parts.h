@@ -9,8 +9,7 @@
  *   are matched by position, nearest pairs first, so that each arc continues in another arc or at a
  *   crossing. Arcs without crossings form closed loops.
  * - Normalised unit. Positions and angles are in the face's frame (face_frame.h). */
-#ifndef GD_FIELD_ISOLINE_PARTS_H
-#define GD_FIELD_ISOLINE_PARTS_H
+#pragma once
 
 #include "base/pace.h"
 #include "field/circle.h"
@@ -110,5 +109,3 @@ static inline struct gd_point gd__crossing_point(const struct gd_mesh *mesh,
     return gd__point_of_edge(mesh, crossing->edge,
                              crossing->t / mesh->side[2 * crossing->edge].length);
 }
-
-#endif

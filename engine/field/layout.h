@@ -3,8 +3,7 @@
  * chunk.
  *
  * Normalised unit; numbering of the mesh. */
-#ifndef GD_FIELD_LAYOUT_H
-#define GD_FIELD_LAYOUT_H
+#pragma once
 
 #include "base/references.h"
 #include "gd/field.h"
@@ -183,5 +182,3 @@ struct gd__leg gd__field_leg_onward(const struct gd_field *field, const struct g
 GD_MUST_USE enum gd_status gd__field_distance_and_path(const struct gd_field *field,
                                                        const struct gd_point *point,
                                                        double *distance, struct gd_path *out);
-
-#endif

@@ -2,8 +2,7 @@
  *
  * Normalised unit and numbering of the mesh. `status` holds the first failure; after a failure,
  * calls append nothing. */
-#ifndef GD_FIELD_PATH_BUILDER_H
-#define GD_FIELD_PATH_BUILDER_H
+#pragma once
 
 #include "field/layout.h"
 
@@ -54,5 +53,3 @@ void gd__path_builder_append_seed(struct gd__path_builder *builder, uint32_t see
  * `snap`. */
 struct gd_point gd__path_builder_side_point(const struct gd__path_builder *builder, uint32_t side,
                                             double t);
-
-#endif

@@ -3,8 +3,7 @@
  * become windows of the segment, as if it were an edge. Contests (window/contest.h) find the
  * nearest source everywhere. Within one window the distance is a convex function. Its minimum is at
  * the position nearest to the source, its maximum at an end of the window. */
-#ifndef GD_FIELD_PROFILE_H
-#define GD_FIELD_PROFILE_H
+#pragma once
 
 #include "field/layout.h"
 #include "mesh/segment.h"
@@ -31,5 +30,3 @@ struct gd__profile_place {
 };
 struct gd__profile_place gd__profile_least(const struct gd__profile *profile);
 struct gd__profile_place gd__profile_greatest(const struct gd__profile *profile);
-
-#endif

@@ -1,7 +1,6 @@
 /* Ray: follows a leg of a path from face to face. A leg is a straight line through unfolded faces.
  * In each face a ray is described by its crossing of an edge and the image of its source. */
-#ifndef GD_FIELD_RAY_H
-#define GD_FIELD_RAY_H
+#pragma once
 
 #include "field/path_builder.h"
 
@@ -61,5 +60,3 @@ struct gd__stop gd__ray_arrive(struct gd__path_builder *builder, uint32_t face, 
  * segment's face. */
 struct gd__stop gd__ray_arrive_at_chord(struct gd__path_builder *builder, uint32_t seed,
                                         uint32_t face);
-
-#endif

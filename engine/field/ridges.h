@@ -20,8 +20,7 @@
  * - Most parts are straight up to the tolerance and store no arc. If the sources of such a part are
  *   needed later, they are gathered again.
  * - Normalised unit. */
-#ifndef GD_FIELD_RIDGES_H
-#define GD_FIELD_RIDGES_H
+#pragma once
 
 #include "base/pace.h"
 #include "field/voronoi_parts.h"
@@ -134,5 +133,3 @@ GD_MUST_USE enum gd_status gd__ridges_close_gaps(struct gd__ridges *ridges);
  * `min_angle`, and joins the branches that they separated. Errors: GD_NO_MEMORY, GD_BUDGET,
  * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__ridges_keep_branches(struct gd__ridges *ridges);
-
-#endif

@@ -1,7 +1,6 @@
 /* View: the part of a face that a source sees. A straight path leads from the source to each point
  * of the view. Normalised unit, in the face's plane. */
-#ifndef GD_FIELD_SOURCE_VIEW_H
-#define GD_FIELD_SOURCE_VIEW_H
+#pragma once
 
 #include "field/voronoi_branch.h"
 
@@ -54,5 +53,3 @@ void gd__sources_drop_needless(const struct gd_field *field, struct gd__sources 
 
 /* Returns an upper bound of the distances in a face; at least GD__FAR if it is not reached. */
 double gd__face_farthest(const struct gd_field *field, uint32_t face);
-
-#endif

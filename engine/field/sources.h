@@ -9,8 +9,7 @@
  *
  * A segment across the face gives two sources, one for each side of it. A linear source is only
  * used where its distance is at least `nearest`. */
-#ifndef GD_FIELD_SOURCES_H
-#define GD_FIELD_SOURCES_H
+#pragma once
 
 #include "field/face_frame.h"
 
@@ -97,5 +96,3 @@ static inline double gd__envelope_slack(double level, double size)
 {
     return GD_TOL_ENVELOPE * level + GD_TOL_PLACE * size;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Spans: intervals of the angle around a point, and their complement in the full circle. */
-#ifndef GD_FIELD_SPANS_H
-#define GD_FIELD_SPANS_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -63,5 +62,3 @@ GD_MUST_USE enum gd_status gd__spans_invert(struct gd__spans *covered, double le
 
 /* Joins the first and the last span if they meet at +-pi. The joined span extends beyond pi. */
 void gd__spans_join(struct gd__spans *spans);
-
-#endif

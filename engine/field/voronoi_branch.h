@@ -15,8 +15,7 @@
  * a line it lies, and whether a third source is nearer. Divided by r, each test is linear in u too:
  * m u >= h. The solution of a test is a span of angles. Only the test of a third point against two
  * linear sources is quadratic along their line. */
-#ifndef GD_FIELD_VORONOI_BRANCH_H
-#define GD_FIELD_VORONOI_BRANCH_H
+#pragma once
 
 #include "field/sources.h"
 #include "field/spans.h"
@@ -85,5 +84,3 @@ struct gd__local gd__between_two(const struct gd__focus focus[2], struct gd__loc
                                  double reach);
 struct gd__local gd__between_three(const struct gd__focus focus[3], struct gd__local at,
                                    double reach);
-
-#endif

@@ -16,8 +16,7 @@
  *   part of the same two members, or, at a triple point, with the ends of two other parts.
  * - A bisector is a chain of parts, joined at nodes where two parts meet.
  * - Normalised unit. */
-#ifndef GD_FIELD_VORONOI_PARTS_H
-#define GD_FIELD_VORONOI_PARTS_H
+#pragma once
 
 #include "base/arrays.h"
 #include "base/prefetch.h"
@@ -203,5 +202,3 @@ GD_MUST_USE enum gd_status gd__diagram_add_arc(struct gd__diagram *diagram,
 /* Adds a part to the node of one of its ends. If two parts meet at the node already, bisectors end
  * there. */
 void gd__diagram_count_end(struct gd__diagram *diagram, uint32_t part, uint32_t end);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * The same source (wedge_view_lanes.h) is compiled for each set of vector instructions, as in
  * engine/kernel. All kernels give the same results to the last bit. Stateless and thread-safe. */
-#ifndef GD_FIELD_WEDGE_VIEW_H
-#define GD_FIELD_WEDGE_VIEW_H
+#pragma once
 
 #include "field/layout.h"
 
@@ -34,6 +33,4 @@ extern gd__wedge_view_kernel gd__wedge_view_plain, gd__wedge_view_plain_linear;
 #if defined(__x86_64__)
 extern gd__wedge_view_kernel gd__wedge_view_avx2, gd__wedge_view_avx2_linear, gd__wedge_view_avx512,
     gd__wedge_view_avx512_linear;
-#endif
-
 #endif

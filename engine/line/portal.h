@@ -1,6 +1,5 @@
 /* Portal: a side through which a line enters a face, in the plane of the unfolded faces. */
-#ifndef GD_LINE_PORTAL_H
-#define GD_LINE_PORTAL_H
+#pragma once
 
 #include "mesh/local.h"
 #include "mesh/topology.h"
@@ -27,5 +26,3 @@ struct gd__local gd__portal_place(const struct gd_mesh *mesh, const struct gd__p
 
 /* Returns true if a point (a vertex, or a point of an edge) lies on a side. */
 bool gd__portal_contains(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *point);
-
-#endif

@@ -1,7 +1,6 @@
 /* Route: a polyline on the surface under construction. Consecutive points lie in one face.
  * Normalised unit. */
-#ifndef GD_LINE_ROUTE_H
-#define GD_LINE_ROUTE_H
+#pragma once
 
 #include "gd/control.h"
 #include "gd/path.h"
@@ -77,5 +76,3 @@ GD_MUST_USE enum gd_status gd__route_back(const struct gd_mesh *mesh, const stru
 
 /* Moves the points into a path in the caller's unit and empties the route. */
 struct gd_path gd__route_take(const struct gd_mesh *mesh, struct gd__route *route);
-
-#endif

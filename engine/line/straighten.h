@@ -1,7 +1,6 @@
 /* Straighten: moves a polyline across the surface, with its ends fixed, until it is a geodesic.
  * Normalised unit. */
-#ifndef GD_LINE_STRAIGHTEN_H
-#define GD_LINE_STRAIGHTEN_H
+#pragma once
 
 #include "line/strip.h"
 
@@ -44,5 +43,3 @@ struct gd__bend {
 };
 struct gd__bend gd__bend_of_turns(const struct gd_mesh *mesh, const struct gd_point *at,
                                   double back, double ahead);
-
-#endif

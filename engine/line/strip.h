@@ -1,7 +1,6 @@
 /* Strip: the sequence of faces that a line between two points crosses, stored as the crossed sides.
  * Also computes the shortest line in a strip. Normalised unit. */
-#ifndef GD_LINE_STRIP_H
-#define GD_LINE_STRIP_H
+#pragma once
 
 #include "line/portal.h"
 #include "line/route.h"
@@ -70,5 +69,3 @@ uint32_t gd__strip_corners(const struct gd__strip *strip, struct gd__corner *out
 GD_MUST_USE enum gd_status gd__strip_line(const struct gd_mesh *mesh, const struct gd__strip *strip,
                                           const struct gd__corner *corners, uint32_t corner_count,
                                           struct gd__route *out, const struct gd_control *control);
-
-#endif

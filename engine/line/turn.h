@@ -8,8 +8,7 @@
  *
  * Conversions to the angles of the interface (gd/direction.h) are exact up to the rounding of the
  * angle. */
-#ifndef GD_LINE_TURN_H
-#define GD_LINE_TURN_H
+#pragma once
 
 #include "gd/direction.h"
 #include "mesh/topology.h"
@@ -59,5 +58,3 @@ struct gd__ray {
 };
 
 struct gd__ray gd__turn_ray(const struct gd_mesh *mesh, const struct gd_point *point, double turn);
-
-#endif

@@ -1,6 +1,5 @@
 /* Unfold: places the faces that a line crosses in one plane. */
-#ifndef GD_LINE_UNFOLD_H
-#define GD_LINE_UNFOLD_H
+#pragma once
 
 #include "gd/path.h"
 #include "line/turn.h"
@@ -20,5 +19,3 @@ struct gd__straight {
  * O(count). */
 GD_MUST_USE enum gd_status gd__unfold(const struct gd_mesh *mesh, const struct gd_point *points,
                                       uint32_t count, struct gd__straight *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* Lattice: places of the parameter plane are rounded to integers, so that predicates are exact. */
-#ifndef GD_LOOPS_LATTICE_H
-#define GD_LOOPS_LATTICE_H
+#pragma once
 
 #include <math.h>
 
@@ -20,5 +19,3 @@ static inline struct gd__site gd__lattice_round(const struct gd__lattice *lattic
     return (struct gd__site){llround((at[0] - lattice->low[0]) * lattice->scale[0]),
                              llround((at[1] - lattice->low[1]) * lattice->scale[1])};
 }
-
-#endif

@@ -7,8 +7,7 @@
  *   clockwise.
  * - Distances in the plane are scaled: both directions of the domain have the width 1.
  * - `samples` is a polyline along all loops, closer than GD__LOOPS_SAG to them. */
-#ifndef GD_LOOPS_LOOPS_H
-#define GD_LOOPS_LOOPS_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stddef.h>
@@ -108,5 +107,3 @@ double gd__loops_depth(const struct gd__loops *loops, const double at[2],
 /* Returns true if the place is inside loop `i` or on it. Counts the crossings of a ray with the
  * loop. */
 bool gd__loop_surrounds(const struct gd__loops *loops, uint32_t i, const double at[2]);
-
-#endif

@@ -1,8 +1,7 @@
 /* Triangulation: constrained Delaunay triangulation of points in the parameter plane
  * (plane/triangulation.h). The segments of closed loops become edges of the triangulation. Points
  * are rounded to a lattice, so all predicates are exact. */
-#ifndef GD_LOOPS_TRIANGULATION_H
-#define GD_LOOPS_TRIANGULATION_H
+#pragma once
 
 #include "base/pace.h"
 #include "loops/lattice.h"
@@ -27,5 +26,3 @@ struct gd__triangulation {
 GD_MUST_USE enum gd_status gd__loops_triangulate(const struct gd__triangulation_input *input,
                                                  struct gd__pace *pace,
                                                  struct gd__triangulation *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* Answer: converts a refined candidate to the caller's struct. */
-#ifndef GD_NURBS_ANSWER_H
-#define GD_NURBS_ANSWER_H
+#pragma once
 
 #include "nurbs/candidate.h"
 
@@ -11,5 +10,3 @@ GD_MUST_USE enum gd_status gd__answer_make(const struct gd__candidate *candidate
 
 /* Frees the memory that gd__answer_make has allocated. */
 void gd__answer_free(struct gd_geodesic *geodesic);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * On a span, the functions are polynomials. Outside the span, the same polynomials are
  * evaluated. */
-#ifndef GD_NURBS_BSPLINE_H
-#define GD_NURBS_BSPLINE_H
+#pragma once
 
 #include "gd/status.h"
 
@@ -51,5 +50,3 @@ uint32_t gd__basis_span(uint32_t degree, uint32_t count, const double *knots, do
  * continuous, or the domain is empty). */
 GD_MUST_USE enum gd_status gd__knots_check(uint32_t degree, uint32_t count, const double *knots,
                                            struct gd_detail *detail);
-
-#endif

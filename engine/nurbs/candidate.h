@@ -1,8 +1,7 @@
 /* Candidate: a path between two curves that may become a result. It is one solution, or two
  * solutions that meet in a pole. A pole is a border of the domain whose places are all the same
  * point of the surface (gd/parametric.h). */
-#ifndef GD_NURBS_CANDIDATE_H
-#define GD_NURBS_CANDIDATE_H
+#pragma once
 
 #include "nurbs/seeds.h"
 #include "nurbs/solve.h"
@@ -69,5 +68,3 @@ double gd__candidate_parameter(const struct gd__candidate *candidate, int side);
  * curve, its end has those of the second curve plus out[k] periods in direction k. */
 void gd__candidate_turns(const struct gd__candidate *candidate,
                          const struct gd_domain_curve *const ends[2], int32_t out[2]);
-
-#endif

@@ -15,8 +15,7 @@
  *   over control points and joints is the shortest path. With one piece it is the minimum of the
  *   paper's energy.
  * - In closed directions coordinates may leave [low, high]. */
-#ifndef GD_NURBS_CHAIN_H
-#define GD_NURBS_CHAIN_H
+#pragma once
 
 #include "gd/control.h"
 #include "gd/geodesic_like.h"
@@ -150,5 +149,3 @@ static inline struct gd_vec3 gd__acceleration(const struct gd_jet *x, const stru
     a = gd_vec3_along(a, 2 * c->first[0] * c->first[1], x->uv);
     return gd_vec3_along(a, c->first[1] * c->first[1], x->vv);
 }
-
-#endif

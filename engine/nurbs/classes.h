@@ -1,6 +1,5 @@
 /* Classes: initial paths of a homotopy class, given by winding numbers or by a curve. */
-#ifndef GD_NURBS_CLASSES_H
-#define GD_NURBS_CLASSES_H
+#pragma once
 
 #include "nurbs/seeds.h"
 
@@ -30,5 +29,3 @@ GD_MUST_USE enum gd_status gd__initial_seed(const struct gd_domain_curve *const 
                                             const struct gd_domain_curve *initial,
                                             struct gd__pace *pace, struct gd__path_seed *out,
                                             struct gd_detail *detail);
-
-#endif

@@ -4,8 +4,7 @@
  * the loop has the obstacle on its right. *Pressing* angles and curvatures are positive if they
  * turn towards the obstacle. A taut path turns towards the obstacle wherever it touches the
  * obstacle. */
-#ifndef GD_NURBS_CONTACT_H
-#define GD_NURBS_CONTACT_H
+#pragma once
 
 #include "nurbs/uv_polyline.h"
 
@@ -83,5 +82,3 @@ GD_MUST_USE enum gd_status gd__taut_divide(const struct gd_parametric *surface,
                                            struct gd__pace *pace, struct gd__taut_parts *out);
 
 void gd__taut_parts_free(struct gd__taut_parts *parts);
-
-#endif

@@ -1,6 +1,5 @@
 /* Domain curve: its smooth intervals, and evaluation. */
-#ifndef GD_NURBS_CURVE_H
-#define GD_NURBS_CURVE_H
+#pragma once
 
 #include "base/arrays.h"
 #include "gd/domain_curve.h"
@@ -50,5 +49,3 @@ uint32_t gd__curve_interval(const struct gd_domain_curve *curve, double s);
 /* Returns s, moved into the range: wrapped for a closed curve, clamped for another one. Sets *turns
  * to the number of periods that were removed. */
 double gd__curve_reduce(const struct gd_domain_curve *curve, double s, double *turns);
-
-#endif

@@ -1,7 +1,6 @@
 /* Elimination: removes the interior unknowns of a piece from Newton's system. The piece's length
  * then depends only on the joints at its ends. */
-#ifndef GD_NURBS_ELIMINATION_H
-#define GD_NURBS_ELIMINATION_H
+#pragma once
 
 #include "nurbs/energy.h"
 
@@ -43,5 +42,3 @@ static inline uint32_t gd__piece_unknowns(const struct gd__chain *chain,
  * degree^2). */
 bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *piece,
                         enum gd__hessian kind, double *scratch, struct gd__part *part);
-
-#endif

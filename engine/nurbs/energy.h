@@ -5,8 +5,7 @@
  * equation (9), with a derivative that is missing in the printed equation. The Hessian is the
  * second variation of energy, int |V'|^2 - K |V x T|^2, do Carmo, Riemannian Geometry, section
  * 9.2. */
-#ifndef GD_NURBS_ENERGY_H
-#define GD_NURBS_ENERGY_H
+#pragma once
 
 #include "nurbs/chain.h"
 
@@ -43,5 +42,3 @@ void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piec
  * parts. */
 double gd__energy_length(const struct gd__chain *chain, const struct gd__piece *piece,
                          uint32_t span, int gauss, int parts);
-
-#endif

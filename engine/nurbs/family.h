@@ -1,7 +1,6 @@
 /* Family: equally long paths that can be moved continuously into each other, for example the
  * shortest paths between two parallel lines. */
-#ifndef GD_NURBS_FAMILY_H
-#define GD_NURBS_FAMILY_H
+#pragma once
 
 #include "nurbs/candidate.h"
 
@@ -12,5 +11,3 @@ GD_MUST_USE enum gd_status gd__is_one_family(const struct gd__task *task,
                                              const struct gd_domain_curve *const ends[2],
                                              const struct gd__candidate *const pair[2],
                                              bool *is_one);
-
-#endif

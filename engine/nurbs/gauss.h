@@ -1,7 +1,6 @@
 /* Gauss-Legendre quadrature on [0, 1]: nodes and weights for n = 4 to 7 points (exact for
  * polynomials of degree 2 n - 1). */
-#ifndef GD_NURBS_GAUSS_H
-#define GD_NURBS_GAUSS_H
+#pragma once
 
 #define GD__GAUSS_LEAST 4
 #define GD__GAUSS_MOST  7
@@ -31,5 +30,3 @@ static inline const struct gd__gauss *gd__gauss(int count)
 {
     return &gd__gauss_of[count - GD__GAUSS_LEAST];
 }
-
-#endif

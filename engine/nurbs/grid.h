@@ -1,6 +1,5 @@
 /* Grid: the parameters at which a surface is tessellated, in both directions. */
-#ifndef GD_NURBS_GRID_H
-#define GD_NURBS_GRID_H
+#pragma once
 
 #include "base/arrays.h"
 #include "gd/tessellation.h"
@@ -23,5 +22,3 @@ GD_MUST_USE enum gd_status gd__grid_make(const struct gd_parametric *surface,
 /* Returns the step that contains a parameter in [low, high]. Sets *part to the position of the
  * parameter in this step, from 0 to 1. */
 uint32_t gd__grid_step(const struct gd__grid *grid, int axis, double t, double *part);
-
-#endif

@@ -1,6 +1,5 @@
 /* Meet: finds common points of two curves of a surface. */
-#ifndef GD_NURBS_MEET_H
-#define GD_NURBS_MEET_H
+#pragma once
 
 #include "gd/control.h"
 #include "nurbs/curve.h"
@@ -17,5 +16,3 @@ GD_MUST_USE enum gd_status gd__curves_meetings(const struct gd_domain_curve *a,
                                                const struct gd_control *control,
                                                struct gd__meeting *out, uint32_t most,
                                                uint32_t *count);
-
-#endif

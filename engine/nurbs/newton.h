@@ -5,8 +5,7 @@
  * a tridiagonal system gives the joints' unknowns. If H is not positive definite, the matrix of the
  * Gauss-Newton method replaces it. The line search follows Armijo's rule. An unknown at the
  * domain's border is held there while the descent direction points outwards (active set method). */
-#ifndef GD_NURBS_NEWTON_H
-#define GD_NURBS_NEWTON_H
+#pragma once
 
 #include "nurbs/chain.h"
 
@@ -38,5 +37,3 @@ struct gd__newton_limits {
 GD_MUST_USE enum gd_status gd__newton(struct gd__chain *chain,
                                       const struct gd__newton_limits *limits,
                                       struct gd__newton_report *out);
-
-#endif

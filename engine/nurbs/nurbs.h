@@ -1,6 +1,5 @@
 /* NURBS surface: knots and control points. */
-#ifndef GD_NURBS_NURBS_H
-#define GD_NURBS_NURBS_H
+#pragma once
 
 #include "base/arrays.h"
 #include "gd/nurbs.h"
@@ -28,5 +27,3 @@ struct gd__nurbs {
 void gd__nurbs_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v,
                    struct gd_jet *out);
 void gd__nurbs_destroy(void *shape);
-
-#endif

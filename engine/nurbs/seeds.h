@@ -4,8 +4,7 @@
  * shortest path are shortest paths, the path passes through a local minimum of d1 + d2 on the set
  * d1 = d2. So each such minimum gives a seed. Each local minimum of d2 along the first curve, and
  * of d1 along the second curve, also gives a seed. */
-#ifndef GD_NURBS_SEEDS_H
-#define GD_NURBS_SEEDS_H
+#pragma once
 
 #include "base/share.h"
 #include "gd/geodesic_like.h"
@@ -41,5 +40,3 @@ GD_MUST_USE enum gd_status gd__path_seeds_find(const struct gd_tessellation *tes
                                                const struct gd_domain_curve *to, bool all,
                                                struct gd__share *share, struct gd__path_seeds *out,
                                                struct gd_detail *detail);
-
-#endif

@@ -1,6 +1,5 @@
 /* Solve: computes a geodesic of the surface, within a tolerance, from a polyline in the domain. */
-#ifndef GD_NURBS_SOLVE_H
-#define GD_NURBS_SOLVE_H
+#pragma once
 
 #include "gd/geodesic_like.h"
 #include "nurbs/newton.h"
@@ -41,5 +40,3 @@ GD_MUST_USE enum gd_status gd__solve_fine(const struct gd__task *task,
  * shrank into a pole or did not converge. A curve with a requested number of control points may
  * bend. Ends early if the chain's pace stops. */
 bool gd__solution_is_bent(const struct gd__task *task, const struct gd__solution *solution);
-
-#endif

@@ -1,7 +1,6 @@
 /* Parametric surface: its smooth cells. In closed directions, the numbers of the cells continue
  * through all periods. */
-#ifndef GD_NURBS_SURFACE_H
-#define GD_NURBS_SURFACE_H
+#pragma once
 
 #include "base/pace.h"
 #include "base/references.h"
@@ -75,5 +74,3 @@ bool gd__surface_pole(const struct gd_parametric *surface, int axis, double t);
  * closed directions. */
 double gd__surface_depth(const struct gd_parametric *surface, const double at[2],
                          struct gd__loop_place *out);
-
-#endif

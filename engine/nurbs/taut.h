@@ -17,8 +17,7 @@
  * - A path is accepted only if all conditions hold: each gap is a geodesic that Newton's method
  *   proves to be a local minimum, no gap leaves the domain, the path is tangential to loops, and
  *   each contact presses against the obstacle. */
-#ifndef GD_NURBS_TAUT_H
-#define GD_NURBS_TAUT_H
+#pragma once
 
 #include "nurbs/candidate.h"
 #include "nurbs/contact.h"
@@ -73,5 +72,3 @@ GD_MUST_USE enum gd_status gd__taut_paths(const struct gd__task *task,
 
 /* Converts a taut path to the caller's struct. Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__taut_answer(const struct gd__taut *taut, struct gd_geodesic *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* Tessellation: the grid, and the faces of each grid cell. */
-#ifndef GD_NURBS_TESSELLATION_H
-#define GD_NURBS_TESSELLATION_H
+#pragma once
 
 #include "base/arrays.h"
 #include "nurbs/grid.h"
@@ -46,5 +45,3 @@ GD_MUST_USE enum gd_status gd__tessellation_trim(struct gd_tessellation *tessell
 /* Allocates the arrays for at most that many nodes, and those for that many faces. */
 void gd__tessellation_take_nodes(struct gd_tessellation *tessellation, size_t nodes);
 void gd__tessellation_take_faces(struct gd_tessellation *tessellation, size_t faces);
-
-#endif

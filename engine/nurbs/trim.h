@@ -1,6 +1,5 @@
 /* Trim: shortens a path between two curves if the path crosses one of them. */
-#ifndef GD_NURBS_TRIM_H
-#define GD_NURBS_TRIM_H
+#pragma once
 
 #include "nurbs/candidate.h"
 
@@ -13,5 +12,3 @@ GD_MUST_USE enum gd_status gd__trim(const struct gd__task *task,
                                     const struct gd_domain_curve *const ends[2],
                                     const struct gd__candidate *candidate, bool *crosses,
                                     struct gd__path_seed *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* UV polyline: a polyline in the parameter domain, with its arc length in space. Also fits a chain
  * to such a polyline. */
-#ifndef GD_NURBS_UV_POLYLINE_H
-#define GD_NURBS_UV_POLYLINE_H
+#pragma once
 
 #include "nurbs/chain.h"
 
@@ -65,5 +64,3 @@ GD_MUST_USE enum gd_status gd__chain_fit(const struct gd_parametric *surface,
 /* Returns true if each piece stays in its cell, with a tolerance of GD_TOL_CELL of the cell's
  * width. Ends early if the chain's pace stops. */
 bool gd__chain_is_proper(const struct gd__chain *chain);
-
-#endif

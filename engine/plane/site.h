@@ -1,7 +1,6 @@
 /* Site: a position of the plane with integer coordinates, so that every orientation test is exact.
  * Determinants of 51-bit differences fit into 128 bits. */
-#ifndef GD_PLANE_SITE_H
-#define GD_PLANE_SITE_H
+#pragma once
 
 #include <stdint.h>
 
@@ -30,5 +29,3 @@ static inline int gd__sites_cross(struct gd__site a, struct gd__site b, struct g
     return gd__site_turn(a, b, c) * gd__site_turn(a, b, d) < 0 &&
            gd__site_turn(c, d, a) * gd__site_turn(c, d, b) < 0;
 }
-
-#endif

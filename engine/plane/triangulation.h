@@ -10,8 +10,7 @@
  * triangle is counter-clockwise and the triangles tile the large one, regardless of rounding. The
  * caller's `is_bad` chooses among possible flips (Lawson 1977). Segments are inserted by flips of
  * the edges that they cross (Sloan 1993). */
-#ifndef GD_PLANE_TRIANGULATION_H
-#define GD_PLANE_TRIANGULATION_H
+#pragma once
 
 #include "base/arrays.h"
 #include "base/pace.h"
@@ -79,5 +78,3 @@ uint32_t gd__plane_opposite(const struct gd__plane *plane, struct gd__plane_side
 
 /* Returns true if the two triangles at a side form a strictly convex quadrilateral. */
 bool gd__plane_is_convex(const struct gd__plane *plane, struct gd__plane_side side);
-
-#endif

@@ -1,6 +1,5 @@
 /* Landmarks: passes the distances of landmarks to the guide of a search. */
-#ifndef GD_QUERY_LANDMARKS_H
-#define GD_QUERY_LANDMARKS_H
+#pragma once
 
 #include "gd/landmarks.h"
 #include "guide/guide.h"
@@ -9,5 +8,3 @@
  * `landmarks` is NULL or belongs to another mesh. */
 void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_mesh *mesh,
                          struct gd__guide *guide);
-
-#endif

@@ -1,7 +1,6 @@
 /* Taut path: the path that a guide found between two points, after straightening. Its length is the
  * upper bound of a search. */
-#ifndef GD_QUERY_TAUT_PATH_H
-#define GD_QUERY_TAUT_PATH_H
+#pragma once
 
 #include "guide/guide.h"
 
@@ -13,5 +12,3 @@ GD_MUST_USE enum gd_status gd__taut_path_length(const struct gd__guide *guide,
                                                 const struct gd_point *from,
                                                 const struct gd_point *to,
                                                 const struct gd_control *control, double *out);
-
-#endif

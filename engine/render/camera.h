@@ -1,6 +1,5 @@
 /* Camera: the parallel projection of a mesh to pixels. */
-#ifndef GD_RENDER_CAMERA_H
-#define GD_RENDER_CAMERA_H
+#pragma once
 
 #include "gd/picture.h"
 #include "mesh/topology.h"
@@ -49,5 +48,3 @@ void gd__camera_zoom(struct gd__camera *camera, const struct gd__viewport *windo
 /* Projects a position of the mesh. */
 struct gd__screen_point gd__camera_project(const struct gd__camera *camera,
                                            struct gd_vec3 position);
-
-#endif

@@ -1,7 +1,6 @@
 /* Canvas: the drawing target of lines, discs and texts: an image (paint.c) or an SVG file (svg.c).
  * All positions and widths are in pixels. */
-#ifndef GD_RENDER_CANVAS_H
-#define GD_RENDER_CANVAS_H
+#pragma once
 
 #include "render/camera.h"
 #include "render/image.h"
@@ -83,5 +82,3 @@ void gd__text_strokes(const struct gd__text *text, struct gd__lines *out);
 /* Returns the width of a text in pixels. In an SVG file it depends on the reader's font, which is
  * narrower. */
 double gd__text_width(const char *text, double size);
-
-#endif

@@ -1,6 +1,5 @@
 /* Colours of distances, of the surface and of lines. Components are sRGB in [0,1]. */
-#ifndef GD_RENDER_COLOUR_H
-#define GD_RENDER_COLOUR_H
+#pragma once
 
 #include "gd/picture.h"
 
@@ -21,5 +20,3 @@ struct gd__palette {
 };
 
 const struct gd__palette *gd__palette(enum gd_background background);
-
-#endif

@@ -1,7 +1,6 @@
 /* Depth buffer: stores depth and face of each pixel, and determines the visible parts of lines on
  * the surface. */
-#ifndef GD_RENDER_DEPTH_BUFFER_H
-#define GD_RENDER_DEPTH_BUFFER_H
+#pragma once
 
 #include "render/lines.h"
 #include "render/raster.h"
@@ -38,5 +37,3 @@ size_t gd__depth_buffer_split_bytes(const struct gd__screen_point *line, uint32_
 /* Returns the visible fraction of a line's length in the picture, in [0,1]; 0 or 1 for a point. */
 double gd__depth_buffer_visibility(const struct gd__depth_buffer *buffer,
                                    const struct gd__screen_point *line, uint32_t count);
-
-#endif

@@ -1,7 +1,6 @@
 /* Image: one byte each of red, green, blue and opacity for each pixel. Colours are not
  * premultiplied by opacity. */
-#ifndef GD_RENDER_IMAGE_H
-#define GD_RENDER_IMAGE_H
+#pragma once
 
 #include "base/budget.h"
 #include "render/colour.h"
@@ -27,5 +26,3 @@ void gd__image_blend(struct gd__image *image, size_t pixel, struct gd__colour co
 GD_MUST_USE enum gd_status gd__image_png(const struct gd__image *image, struct gd__budget *budget,
                                          const struct gd_control *control, void **bytes,
                                          size_t *size);
-
-#endif

@@ -1,7 +1,6 @@
 /* Layers: the polylines and marks of a picture. A layer is projected, divided into visible and
  * hidden parts, and drawn on a canvas. */
-#ifndef GD_RENDER_LAYER_H
-#define GD_RENDER_LAYER_H
+#pragma once
 
 #include "render/canvas.h"
 #include "render/depth_buffer.h"
@@ -51,5 +50,3 @@ void gd__layer_draw(const struct gd__layer *layer, const struct gd__stage *stage
  * there is room. */
 void gd__labels_draw(const struct gd__layer *layers, uint32_t count, const struct gd__stage *stage,
                      struct gd__canvas *canvas);
-
-#endif

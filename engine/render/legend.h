@@ -1,7 +1,6 @@
 /* Legend: draws the colour scale with its numbers beside the surface, and below it the names of
  * layers, with samples of their lines and marks. */
-#ifndef GD_RENDER_LEGEND_H
-#define GD_RENDER_LEGEND_H
+#pragma once
 
 #include "render/layer.h"
 #include "render/scale.h"
@@ -28,5 +27,3 @@ struct gd__viewport gd__legend_window(const struct gd__legend *legend);
 /* Draws the legend. `scale` is only used if has_scale. */
 void gd__legend_draw(const struct gd__legend *legend, const struct gd__scale *scale,
                      struct gd__canvas *canvas);
-
-#endif

@@ -1,6 +1,5 @@
 /* Lines: a set of polylines in a picture, to be drawn with one pen. */
-#ifndef GD_RENDER_LINES_H
-#define GD_RENDER_LINES_H
+#pragma once
 
 #include <stdint.h>
 
@@ -36,5 +35,3 @@ static inline uint32_t gd__line_begin(const struct gd__lines *lines, uint32_t i)
 {
     return i ? lines->ends[i - 1] : 0;
 }
-
-#endif

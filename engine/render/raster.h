@@ -5,8 +5,7 @@
  * samples between its edges. A sample on the common edge of two faces belongs to exactly one of
  * them, so that there are no gaps and no overlaps. Faces are listed by the bands that they meet, so
  * that a band's samples stay in the cache. */
-#ifndef GD_RENDER_RASTER_H
-#define GD_RENDER_RASTER_H
+#pragma once
 
 #include "base/budget.h"
 #include "render/camera.h"
@@ -58,5 +57,3 @@ static inline void gd__corners(const struct gd_mesh *mesh, uint32_t face, uint32
 {
     for (int k = 0; k < 3; k++) corners[k] = mesh->origin[mesh->face_side[face][k]];
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Request: the parts of a struct gd_picture that images and scenes have in common. Members are
  * checked, defaults replaced, the path becomes a layer, and isolines become polylines. */
-#ifndef GD_RENDER_REQUEST_H
-#define GD_RENDER_REQUEST_H
+#pragma once
 
 #include "base/share.h"
 #include "render/layer.h"
@@ -49,5 +48,3 @@ struct gd__isoline_request { /* all borrowed */
 
 /* Calls `take` for each line of each isoline. Errors: those of gd_isoline_trace and of `take`. */
 GD_MUST_USE enum gd_status gd__isolines_flatten(const struct gd__isoline_request *request);
-
-#endif

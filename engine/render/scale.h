@@ -1,6 +1,5 @@
 /* Scale: chooses round levels for isolines and the legend. */
-#ifndef GD_RENDER_SCALE_H
-#define GD_RENDER_SCALE_H
+#pragma once
 
 #include "gd/picture.h"
 
@@ -19,5 +18,3 @@ struct gd__scale gd__scale_of(double range, uint32_t wanted);
  * length of the longest edge is added. The sum is limited to the field's reach. Returns 1 if no
  * distance is above 0. O(vertices). */
 double gd__field_range(const struct gd_field *field);
-
-#endif

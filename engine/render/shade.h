@@ -1,7 +1,6 @@
 /* Shade: computes the colours of a picture's pixels, band by band, from the light on the surface
  * and a field's distances. */
-#ifndef GD_RENDER_SHADE_H
-#define GD_RENDER_SHADE_H
+#pragma once
 
 #include "render/image.h"
 #include "render/raster.h"
@@ -46,5 +45,3 @@ void gd__shade_close(struct gd__shade *shade);
 GD_MUST_USE enum gd_status gd__shade_band(struct gd__shade *shade, uint32_t band,
                                           const struct gd_control *control,
                                           struct gd__image *image);
-
-#endif

@@ -1,7 +1,6 @@
 /* Functions that the steps of merging and repair share. Each step changes vertex indices in
  * work->triangle, keeps the order of the faces, and records its changes in mesh->repair. */
-#ifndef GD_REPAIR_REPAIR_H
-#define GD_REPAIR_REPAIR_H
+#pragma once
 
 #include "mesh/construction.h"
 
@@ -41,5 +40,3 @@ static inline struct gd_vec3 gd__input_position(const struct gd__construction *w
     const double *p = work->input->positions[index];
     return (struct gd_vec3){p[0], p[1], p[2]};
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Connect: converts a control mesh to a net, and validates that the mesh is a manifold. */
-#ifndef GD_SUBDIV_CONNECT_H
-#define GD_SUBDIV_CONNECT_H
+#pragma once
 
 #include "subdiv/net.h"
 
@@ -28,5 +27,3 @@ GD_MUST_USE enum gd_status gd__net_connect(const struct gd_polygons *polygons, u
 GD_MUST_USE enum gd_status gd__apply_tags(const struct gd_control_mesh *mesh,
                                           struct gd__connecting *connecting, struct gd__net *net,
                                           struct gd_detail *detail);
-
-#endif

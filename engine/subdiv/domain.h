@@ -1,7 +1,6 @@
 /* Domain: the square or triangle in which a face's own coordinates (s,t) lie. Side k runs from
  * corner k to the next corner. */
-#ifndef GD_SUBDIV_DOMAIN_H
-#define GD_SUBDIV_DOMAIN_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -43,5 +42,3 @@ static inline uint32_t gd__nearest_corner(uint32_t arity, double s, double t)
     if (arity == 3) return right ? 1 : up ? 2 : 0;
     return up ? (right ? 2 : 3) : right ? 1 : 0;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Grid: evaluates the surface over a base face at all dyadic places of a level. */
-#ifndef GD_SUBDIV_GRID_H
-#define GD_SUBDIV_GRID_H
+#pragma once
 
 #include "base/pace.h"
 #include "subdiv/walker.h"
@@ -26,5 +25,3 @@ struct gd__grid_room {
  * status of the pace. */
 enum gd_status gd__grid(struct gd__walker *walker, uint32_t face, uint32_t level,
                         const struct gd__grid_room *room, struct gd__pace *pace);
-
-#endif

@@ -4,8 +4,7 @@
  * A vertex is a place (i, j) of a base face, 0 <= i, j <= cells (Loop: i + j <= cells). A vertex on
  * the border of a face is also a place of the neighbours, with the same position. An edge is
  * directed, from vertex p to vertex q of one face; its triangle lies to its left. */
-#ifndef GD_SUBDIV_LIMIT_GRID_H
-#define GD_SUBDIV_LIMIT_GRID_H
+#pragma once
 
 #include "gd/limit_grid.h"
 #include "subdiv/surface.h"
@@ -42,5 +41,3 @@ void gd__grid_apex(const struct gd_limit_grid *grid, const struct gd__grid_edge 
  * and the place's barycentric coordinates. */
 void gd__grid_triangle(const struct gd_limit_grid *grid, const struct gd__face_place *place,
                        int32_t corners[3][2], double weights[3]);
-
-#endif

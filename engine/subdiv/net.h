@@ -5,8 +5,7 @@
  * sides of a face are consecutive. Usually all faces have `arity` corners (Catmull-Clark 4, Loop
  * 3), and side h belongs to face h / arity. Only the net of a control mesh with other polygons has
  * the array `first`. */
-#ifndef GD_SUBDIV_NET_H
-#define GD_SUBDIV_NET_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -100,5 +99,3 @@ static inline float gd__spoke_sharpness(const struct gd__net *net, const struct 
     return net->sharpness[spoke < fan->count ? fan->sides[spoke]
                                              : gd__net_previous(net, fan->sides[spoke - 1])];
 }
-
-#endif

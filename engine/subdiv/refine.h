@@ -1,6 +1,5 @@
 /* Refine: subdivides a net by one step. */
-#ifndef GD_SUBDIV_REFINE_H
-#define GD_SUBDIV_REFINE_H
+#pragma once
 
 #include "subdiv/scheme.h"
 
@@ -23,5 +22,3 @@ uint32_t gd__number_edges(struct gd__net *net);
  * decrease by 1. */
 void gd__net_refine(struct gd__net *net, uint32_t settled, struct gd__fan *fan,
                     struct gd__net *out);
-
-#endif

@@ -5,8 +5,7 @@
  * 0, s + t <= 1. `children` describes where a face's children lie: the point (s,t) of a child
  * is (origin + s axis_s + t axis_t) / 2 in the parent's coordinates. The determinant of the axes is
  * 1. */
-#ifndef GD_SUBDIV_SCHEME_H
-#define GD_SUBDIV_SCHEME_H
+#pragma once
 
 #include "subdiv/net.h"
 
@@ -91,5 +90,3 @@ static inline const struct gd__scheme *gd__scheme_of(const struct gd__net *net)
 {
     return net->arity == 4 ? &gd__catmull_clark : &gd__loop;
 }
-
-#endif

@@ -3,8 +3,7 @@
  * All base faces are quads (Loop: triangles). If all faces of the control mesh are quads, they are
  * the base faces. Otherwise the control mesh is refined once, and the base faces are the children:
  * base face h is the child at side h of the control mesh. */
-#ifndef GD_SUBDIV_SURFACE_H
-#define GD_SUBDIV_SURFACE_H
+#pragma once
 
 #include "base/references.h"
 #include "gd/limit.h"
@@ -86,5 +85,3 @@ struct gd_limit_point gd__place_of(const struct gd_subdivision *surface,
  * GD_OUT_OF_RANGE, GD_INVALID_ARGUMENT. */
 GD_MUST_USE enum gd_status gd__place_check(const struct gd_subdivision *surface,
                                            struct gd_limit_point *place, struct gd_detail *detail);
-
-#endif

@@ -2,8 +2,7 @@
  *
  * The base points are the first vertices. The inner points of each edge follow, in the direction of
  * the side that owns the edge. The inner points of each face are last, row by row. */
-#ifndef GD_SUBDIV_TILING_H
-#define GD_SUBDIV_TILING_H
+#pragma once
 
 #include "base/pace.h"
 #include "subdiv/surface.h"
@@ -46,5 +45,3 @@ void gd__side_place(uint32_t arity, uint32_t k, uint32_t cells, uint32_t m, uint
  * pace. If the pace stops, the function returns early. */
 uint32_t *gd__tile(const struct gd__tiling *tiling, uint32_t face, const double (*positions)[3],
                    uint32_t *corners, struct gd__pace *pace);
-
-#endif

@@ -6,8 +6,7 @@
  * border. Or it lies in the face across a side; the direction then keeps its components along and
  * across the side. Near a vertex, pieces become very small. So a path that passes within
  * GD_TOL_VERTEX of the vertex jumps to the vertex' other side. */
-#ifndef GD_SUBDIV_TRACER_H
-#define GD_SUBDIV_TRACER_H
+#pragma once
 
 #include "gd/limit_path.h"
 #include "subdiv/walker.h"
@@ -38,5 +37,3 @@ GD_MUST_USE enum gd_status gd__tracer_step(struct gd__tracer *tracer, double mos
  * `direction`. */
 GD_MUST_USE enum gd_status gd__tracer_leave_vertex(struct gd__tracer *tracer, uint32_t face,
                                                    uint32_t corner, struct gd_vec3 direction);
-
-#endif

@@ -11,8 +11,7 @@
  *
  * Each stage holds a neighbourhood and its refinement. A descent alternates between two stages; a
  * recursion over children uses one stage for each level. */
-#ifndef GD_SUBDIV_WALKER_H
-#define GD_SUBDIV_WALKER_H
+#pragma once
 
 #include "subdiv/surface.h"
 
@@ -94,5 +93,3 @@ struct gd__jet gd__cell_jet(const struct gd__walker *walker, double s, double t)
 /* Computes the surface at a corner of a base face. */
 void gd__corner_limit(struct gd__walker *walker, uint32_t face, uint32_t corner,
                       struct gd__vertex *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* Ascent: the direction at a point in which the sum of given vectors' components is greatest. */
-#ifndef GD_TRANSPORT_ASCENT_H
-#define GD_TRANSPORT_ASCENT_H
+#pragma once
 
 #include "line/turn.h"
 
@@ -28,5 +27,3 @@ double gd__ascent(const struct gd_mesh *mesh, const struct gd_point *point,
  * such a point. O(count). */
 double gd__ascent_step(const struct gd_mesh *mesh, const struct gd_point *point,
                        const struct gd__pull *pulls, uint32_t count, double heading, double *turn);
-
-#endif

@@ -1,7 +1,6 @@
 /* Control points: the paths between the points of a spline, and the parameter and the tangent of
  * each point. */
-#ifndef GD_TRANSPORT_CONTROL_POINTS_H
-#define GD_TRANSPORT_CONTROL_POINTS_H
+#pragma once
 
 #include "base/share.h"
 #include "gd/spline.h"
@@ -37,5 +36,3 @@ GD_MUST_USE enum gd_status gd__control_points_search(struct gd__spline_work *wor
 
 /* Computes parameters and tangents from the paths. Errors: GD_NO_MEMORY, GD_BUDGET, GD_INTERNAL. */
 GD_MUST_USE enum gd_status gd__control_points_fill(const struct gd__spline_work *work);
-
-#endif

@@ -1,7 +1,6 @@
 /* Lanes: makes independent items one after the other or, with an executor, two at a time. More than
  * two are not possible, because a workspace has only one partner workspace. */
-#ifndef GD_TRANSPORT_LANES_H
-#define GD_TRANSPORT_LANES_H
+#pragma once
 
 #include "base/share.h"
 #include "gd/executor.h"
@@ -25,5 +24,3 @@ struct gd__lanes {                      /* all borrowed for the call */
  * returned if it occurs again. Only the caller's thread reports progress. Errors: those of `make`;
  * GD_CANCELLED. */
 GD_MUST_USE enum gd_status gd__lanes_run(const struct gd__lanes *lanes);
-
-#endif

@@ -1,7 +1,6 @@
 /* Meetings: detects where a line meets itself. Segments are indexed by face. The vertices that the
  * line passes are marked separately. */
-#ifndef GD_TRANSPORT_MEETINGS_H
-#define GD_TRANSPORT_MEETINGS_H
+#pragma once
 
 #include "gd/control.h"
 #include "mesh/local.h"
@@ -22,5 +21,3 @@ void gd__meetings_destroy(struct gd__meetings *meetings); /* NULL is allowed */
 GD_MUST_USE enum gd_status gd__meetings_add(struct gd__meetings *meetings, uint32_t face,
                                             const struct gd_point *from, const struct gd_point *to,
                                             double *part);
-
-#endif

@@ -1,6 +1,5 @@
 /* Pieces: divides a curve by arc length and straightens each piece. Normalised unit. */
-#ifndef GD_TRANSPORT_PIECES_H
-#define GD_TRANSPORT_PIECES_H
+#pragma once
 
 #include "gd/curve.h"
 #include "line/straighten.h"
@@ -22,5 +21,3 @@ GD_MUST_USE enum gd_status gd__pieces_tighten(struct gd__straightener *straighte
                                               const struct gd__route *route, const double *lengths,
                                               uint32_t count, struct gd__route *out,
                                               struct gd_point *marks);
-
-#endif

@@ -1,7 +1,6 @@
 /* Polygon: the control polygon of a cubic curve on the surface, and de Casteljau's construction for
  * it. Normalised unit. */
-#ifndef GD_TRANSPORT_POLYGON_H
-#define GD_TRANSPORT_POLYGON_H
+#pragma once
 
 #include "line/straighten.h"
 
@@ -46,5 +45,3 @@ static inline double gd__polygon_height(double length, double chord)
 {
     return length > chord ? 0.5 * sqrt((length - chord) * (length + chord)) : 0;
 }
-
-#endif

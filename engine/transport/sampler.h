@@ -1,7 +1,6 @@
 /* Sampler: walks along a spline, leaf by leaf. A leaf is a control polygon that is almost
  * straight. */
-#ifndef GD_TRANSPORT_SAMPLER_H
-#define GD_TRANSPORT_SAMPLER_H
+#pragma once
 
 #include "gd/spline.h"
 #include "transport/polygon.h"
@@ -26,5 +25,3 @@ struct gd__sampler {
 /* Walks the whole spline. Errors: those of the visitor and of gd__straighten. */
 GD_MUST_USE enum gd_status gd__sampler_walk(struct gd__sampler *sampler);
 void gd__sampler_free(struct gd__sampler *sampler);
-
-#endif

@@ -1,6 +1,5 @@
 /* Straight continuation of a line through a vertex. */
-#ifndef GD_TRANSPORT_STRAIGHT_H
-#define GD_TRANSPORT_STRAIGHT_H
+#pragma once
 
 #include "gd/trace.h"
 #include "line/turn.h"
@@ -17,5 +16,3 @@ bool gd__straight_on(const struct gd_mesh *mesh, uint32_t vertex, double back,
  * the direction of the line. */
 bool gd__straight_slide(const struct gd_mesh *mesh, uint32_t vertex, double back, uint32_t *side,
                         bool *forward);
-
-#endif

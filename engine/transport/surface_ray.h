@@ -2,8 +2,7 @@
  * across that side, at distance `t` from the side's origin. Its direction (dx, dy) in the side's
  * frame is a unit vector with dy >= 0. To cross a face, the ray needs no rotation in space and
  * reads only one record of the mesh. */
-#ifndef GD_TRANSPORT_SURFACE_RAY_H
-#define GD_TRANSPORT_SURFACE_RAY_H
+#pragma once
 
 #include "mesh/topology.h"
 
@@ -49,5 +48,3 @@ static inline struct gd__face_crossing gd__surface_ray_cross(const struct gd_sid
     gd__surface_ray_turn(walk, s->right_x * dx + s->right_y * dy, sine);
     return (struct gd__face_crossing){s->right_length, -rest * s->right_y * inverse};
 }
-
-#endif
