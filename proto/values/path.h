@@ -6,8 +6,8 @@
 #include "proto/http/options.h"
 #include "proto/json/writer.h"
 
-/* Writes a path, or null if `path` is NULL. Points are {"xyz", "vertex"}, {"xyz", "edge", "t"} or {"xyz", "face",
- * "barycentric"} for geometry full, [x, y, z] for xyz, and omitted for none. */
+/* Writes a path, or null if `path` is NULL. Points are {"xyz", "vertex"}, {"xyz", "edge", "t"} or
+ * {"xyz", "face", "barycentric"} for geometry full, [x, y, z] for xyz, and omitted for none. */
 void proto_path_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                        const struct gd_path *path, enum proto_geometry geometry);
 

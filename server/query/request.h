@@ -35,10 +35,10 @@ bool server_request_page_of_names(struct server_exchange *exchange, struct proto
  * problem. */
 bool server_request_record(struct server_exchange *exchange, struct server_listed *out);
 
-/* Returns the surface in the path if it is in memory; the exchange has the reference. Checks the preconditions of a
- * POST; those of a GET are checked together with its answer (reply.c). If the result is NULL, the
- * handler must return at once: the exchange has a problem as its reply, or a worker loads the
- * surface and then calls the handler again. */
+/* Returns the surface in the path if it is in memory; the exchange has the reference. Checks the
+ * preconditions of a POST; those of a GET are checked together with its answer (reply.c). If the
+ * result is NULL, the handler must return at once: the exchange has a problem as its reply, or a
+ * worker loads the surface and then calls the handler again. */
 struct server_surface *server_request_surface(struct server_exchange *exchange);
 
 /* Allocates the handler's state, all zero, and keeps it (server_exchange_keep). Returns NULL after

@@ -49,8 +49,8 @@ struct gd_picture_layer *server_drawn_add(struct server_picture_layers *layers, 
 struct gd_vec3 *server_drawn_points(struct server_picture_layers *layers,
                                     struct server_query *query, uint64_t count);
 
-/* Allocates `points` points for the `count` lines of a layer. Returns the array of the indices where
- * the lines begin, for the caller to fill. On failure, sets the problem and returns NULL. */
+/* Allocates `points` points for the `count` lines of a layer. Returns the array of the indices
+ * where the lines begin, for the caller to fill. On failure, sets the problem and returns NULL. */
 uint32_t *server_drawn_reserve(struct server_picture_layers *layers, struct server_query *query,
                                uint32_t count, uint64_t points, struct gd_picture_layer *drawn);
 
