@@ -17,14 +17,21 @@
 /* answers of at least this many bytes are lent; shorter answers are copied */
 #define LENT_FROM 65536
 
-/* Returns the job in the path, which the caller releases; or replies with a problem and returns
- * NULL. */
+static void release_job(void *user)
+{
+    server_deferred_job_release(user);
+}
+
+/* Returns the job in the path, which becomes the exchange's state; or replies with a problem and
+ * returns NULL. */
 static struct server_deferred_job *find_job(struct server_exchange *exchange)
 {
     const struct proto_capture *id = &exchange->match.captures[0];
     struct server_deferred_job *job =
         server_job_table_find(exchange->host->api->jobs, exchange->tenant, id->text, id->length);
-    if (!job)
+    if (job)
+        server_exchange_keep(exchange, job, release_job);
+    else
         server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND,
                              "there is no job of this id: it was removed, or has ended some time "
                              "ago, or the daemon was "
@@ -33,11 +40,6 @@ static struct server_deferred_job *find_job(struct server_exchange *exchange)
 }
 
 /* --- describe --------------------------------------------------------------------------------- */
-
-static void release_job(void *user)
-{
-    server_deferred_job_release(user);
-}
 
 /* Lends a large answer to the response. The response holds a reference of the job until it is
  * sent. */
@@ -84,27 +86,19 @@ static void reply_answer(struct server_exchange *exchange, struct server_deferre
 
 static bool describe_job(struct server_exchange *exchange)
 {
-    struct server_deferred_job *job = find_job(exchange);
-    if (!job) return true;
-    const struct proto_job state = server_deferred_job_describe(job);
-    reply_job(exchange, 200, job, &state);
-    server_deferred_job_release(job);
+    const struct proto_job state = server_deferred_job_describe(exchange->state);
+    reply_job(exchange, 200, exchange->state, &state);
     return true;
 }
 
 /* Parks the exchange, without a worker, until the job has ended or the wait is over. */
 static bool wait_for_end(struct server_exchange *exchange)
 {
-    const struct proto_capture *id = &exchange->match.captures[0];
     struct proto_problem problem;
     uint64_t wait_s;
-    struct server_deferred_job *job =
-        server_job_table_find(exchange->host->api->jobs, exchange->tenant, id->text, id->length);
-    bool is_parked =
-        job && proto_many_parse_wait(&exchange->parameters, &wait_s, &problem) &&
-        server_deferred_job_wait(job, &exchange->job, server_request_wait_end(exchange, wait_s));
-    server_deferred_job_release(job);
-    return is_parked;
+    return proto_many_parse_wait(&exchange->parameters, &wait_s, &problem) &&
+           server_deferred_job_wait(exchange->state, &exchange->job,
+                                    server_request_wait_end(exchange, wait_s));
 }
 
 void server_handle_get_job(struct server_exchange *exchange)
@@ -113,9 +107,7 @@ void server_handle_get_job(struct server_exchange *exchange)
     if (!server_reply_accepts_json(exchange) || !server_request_wait(exchange, &wait_s)) return;
     struct server_deferred_job *job = find_job(exchange);
     if (!job) return;
-    bool has_ended = proto_job_has_ended(server_deferred_job_describe(job).state);
-    server_deferred_job_release(job);
-    if (wait_s && !has_ended)
+    if (wait_s && !proto_job_has_ended(server_deferred_job_describe(job).state))
         server_exchange_defer(exchange, describe_job, wait_for_end);
     else
         (void)describe_job(exchange);
@@ -134,7 +126,6 @@ void server_handle_get_job_result(struct server_exchange *exchange)
                              state.state == PROTO_JOB_CANCELLED
                                  ? "the job was cancelled and has no answer; send the request again"
                                  : "the job has not ended; GET it with ?wait= until it has");
-    server_deferred_job_release(job);
 }
 
 /* --- list ------------------------------------------------------------------------------------- */
@@ -208,9 +199,9 @@ void server_handle_delete_job(struct server_exchange *exchange)
         server_grant_may_change(&exchange->grant, server_deferred_job_key(job), &problem);
     if (server_reply_check(exchange, may_change, &problem)) {
         server_job_table_cancel(exchange->host->api->jobs, job);
+        server_exchange_drop_state(exchange); /* frees the job before the client gets the answer */
         server_reply_empty(exchange, 204);
     }
-    server_deferred_job_release(job);
 }
 
 /* --- events ----------------------------------------------------------------------------------- */
@@ -263,5 +254,4 @@ void server_handle_get_job_events(struct server_exchange *exchange)
         server_reply_empty(exchange, 204);
     else
         reply_events(exchange, job);
-    server_deferred_job_release(job);
 }
