@@ -45,8 +45,7 @@ static uint32_t write_fan(struct gd_mesh *mesh, uint32_t start, uint32_t first,
     double angle = 0;
     do {
         mesh->fan[entry] = (struct gd_fan){angle, h, gd__side_destination(mesh, h)};
-        mesh->beyond[entry] = corner_beyond(mesh, h);
-        mesh->side_fan[h] = entry++;
+        mesh->beyond[entry++] = corner_beyond(mesh, h);
         angle += atan2(mesh->side[h].left_y, mesh->side[h].left_x);
         h = next_in_fan(mesh, h);
     } while (h != start && !gd__side_is_boundary(mesh, h) && gd__pace(pace, 1));
@@ -82,10 +81,9 @@ enum gd_status gd__make_fans(struct gd__construction *work)
     struct fan_making making = {.work = work};
     mesh->fan = gd__mesh_array(work, 3 * (size_t)mesh->face_count, sizeof *mesh->fan);
     mesh->beyond = gd__mesh_array(work, 3 * (size_t)mesh->face_count, sizeof *mesh->beyond);
-    mesh->side_fan = gd__mesh_array(work, 2 * (size_t)mesh->edge_count, sizeof *mesh->side_fan);
     mesh->total_angle = gd__mesh_array(work, mesh->vertex_count, sizeof *mesh->total_angle);
     mesh->vertex_kind = gd__mesh_array(work, mesh->vertex_count, sizeof *mesh->vertex_kind);
-    if (!mesh->fan || !mesh->beyond || !mesh->side_fan || !mesh->total_angle || !mesh->vertex_kind)
+    if (!mesh->fan || !mesh->beyond || !mesh->total_angle || !mesh->vertex_kind)
         return GD_NO_MEMORY;
     gd__slices_run(&work->pace, mesh->vertex_count, make_fans, &making);
     mesh->summary.saddle_vertices = making.saddles;

@@ -47,7 +47,7 @@ static void find_bounding_box(struct gd__construction *work)
     struct gd_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
     GD__PACED (&work->pace, i, mesh->summary.index_count) {
         if (mesh->vertex_of_index[i] == GD_NONE) continue;
-        struct gd_vec3 p = mesh->input_position[i];
+        struct gd_vec3 p = gd__input_position(work, i);
         low = (struct gd_vec3){fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z)};
         high = (struct gd_vec3){fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z)};
     }
@@ -64,7 +64,7 @@ static void encode(struct gd__construction *work, struct keyed_vertex *keyed)
     uint32_t n = 0;
     GD__PACED (&work->pace, i, mesh->summary.index_count) {
         if (mesh->vertex_of_index[i] == GD_NONE) continue;
-        struct gd_vec3 p = gd_vec3_sub(mesh->input_position[i], low);
+        struct gd_vec3 p = gd_vec3_sub(gd__input_position(work, i), low);
         uint64_t x = (uint64_t)(p.x / largest * cells), y = (uint64_t)(p.y / largest * cells);
         uint64_t z = (uint64_t)(p.z / largest * cells);
         keyed[n++] = (struct keyed_vertex){spread(x) | spread(y) << 1 | spread(z) << 2, i};
@@ -144,17 +144,6 @@ static enum gd_status number_faces(struct gd__construction *work)
     return GD_OK;
 }
 
-static void copy_positions(struct gd__construction *work)
-{
-    GD__PACED (&work->pace, i, work->polygons->position_count) {
-        const double *p = work->polygons->positions[i];
-        work->mesh->input_position[i] = (struct gd_vec3){p[0], p[1], p[2]};
-    }
-    GD__PACED (&work->pace, c, work->copy_count)
-        work->mesh->input_position[work->polygons->position_count + c] =
-            work->mesh->input_position[work->mesh->copy_of[c]];
-}
-
 /* Maps the index of each merged vertex to the internal number of its representative. */
 static void name_merged_vertices(struct gd__construction *work)
 {
@@ -171,16 +160,13 @@ enum gd_status gd__order(struct gd__construction *work)
     struct gd_mesh *mesh = work->mesh;
     uint32_t index_count = work->polygons->position_count + work->copy_count;
     mesh->summary.index_count = index_count;
-    mesh->input_position = gd__mesh_array(work, index_count, sizeof *mesh->input_position);
     mesh->vertex_of_index = gd__mesh_array(work, index_count, sizeof *mesh->vertex_of_index);
     mesh->face_of_index =
         gd__mesh_array(work, mesh->summary.face_index_count, sizeof *mesh->face_of_index);
     mesh->index_of_face = gd__mesh_array(work, mesh->face_count, sizeof *mesh->index_of_face);
     work->corner = gd__scratch_array(work, mesh->face_count, sizeof *work->corner);
-    if (!mesh->input_position || !mesh->vertex_of_index || !mesh->face_of_index ||
-        !mesh->index_of_face || !work->corner)
+    if (!mesh->vertex_of_index || !mesh->face_of_index || !mesh->index_of_face || !work->corner)
         return GD_NO_MEMORY;
-    copy_positions(work);
     mark_referenced(work);
     find_bounding_box(work);
     enum gd_status status = number_vertices(work);

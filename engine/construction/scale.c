@@ -25,7 +25,7 @@ static void measure_slice(void *context, struct gd__pace *pace, uint32_t begin, 
     for (uint32_t f = begin; f < end; f++) {
         struct gd_vec3 p[3];
         for (uint32_t k = 0; k < 3; k++)
-            p[k] = mesh->input_position[mesh->index_of_vertex[work->corner[f][k]]];
+            p[k] = gd__input_position(work, mesh->index_of_vertex[work->corner[f][k]]);
         for (uint32_t k = 0; k < 3; k++) {
             struct gd_vec3 edge = gd_vec3_sub(p[gd__next_corner(k)], p[k]);
             double length = gd_vec3_length(gd_vec3_scale(edge, measuring->scale));
@@ -64,15 +64,31 @@ static double farthest_coordinate(const struct gd_mesh_summary *s)
                 fmax(fabs(s->min.z), fabs(s->max.z)));
 }
 
+static enum gd_status keep_input_positions(struct gd__construction *work)
+{
+    struct gd_mesh *mesh = work->mesh;
+    uint32_t count = mesh->summary.index_count;
+    mesh->input_position = gd__mesh_array(work, count, sizeof *mesh->input_position);
+    if (!mesh->input_position) return GD_NO_MEMORY;
+    GD__PACED (&work->pace, i, count) mesh->input_position[i] = gd__input_position(work, i);
+    return GD_OK;
+}
+
+/* Scales the vertices. A power of two loses bits only if a coordinate underflows. */
 static enum gd_status place_vertices(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
+    bool is_exact = mesh->vertex_count == mesh->summary.index_count;
     mesh->position = gd__mesh_array(work, mesh->vertex_count, sizeof *mesh->position);
     if (!mesh->position) return GD_NO_MEMORY;
-    GD__PACED (&work->pace, v, mesh->vertex_count)
-        mesh->position[v] =
-            gd_vec3_scale(mesh->input_position[mesh->index_of_vertex[v]], 1 / mesh->unit);
-    return GD_OK;
+    GD__PACED (&work->pace, v, mesh->vertex_count) {
+        struct gd_vec3 p = gd__input_position(work, mesh->index_of_vertex[v]);
+        struct gd_vec3 scaled = gd_vec3_scale(p, 1 / mesh->unit),
+                       q = gd_vec3_scale(scaled, mesh->unit);
+        is_exact = is_exact && p.x == q.x && p.y == q.y && p.z == q.z;
+        mesh->position[v] = scaled;
+    }
+    return is_exact ? GD_OK : keep_input_positions(work);
 }
 
 enum gd_status gd__scale(struct gd__construction *work)

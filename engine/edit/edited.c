@@ -104,7 +104,7 @@ void gd__edited_keep(struct gd_edited *edited, uint32_t at, const struct gd_mesh
                      uint32_t vertex)
 {
     const struct gd_point point = {.kind = GD_POINT_VERTEX, .element = vertex};
-    const struct gd_vec3 p = mesh->input_position[mesh->index_of_vertex[vertex]];
+    const struct gd_vec3 p = gd__vertex_position(mesh, vertex);
     memcpy(edited->polygons.positions[at], &p, sizeof p);
     edited->origins[at] = gd__origin_of(mesh, &point);
 }

@@ -34,7 +34,7 @@ static uint32_t entry_of(const struct gd_mesh *mesh, uint32_t vertex, uint32_t f
 {
     int k = 0;
     while (k < 2 && mesh->origin[mesh->face_side[face][k]] != vertex) k++;
-    return mesh->side_fan[mesh->face_side[face][k]] - mesh->fan_first[vertex];
+    return gd__fan_entry(mesh, mesh->face_side[face][k]) - mesh->fan_first[vertex];
 }
 
 /* Returns the number of faces from one face to another around the vertex. If the boundary is in

@@ -58,7 +58,7 @@ static double zero_of(const struct gd_mesh *mesh, const struct gd_point *point)
     case GD_POINT_VERTEX:
         if (gd_direction_at_angle(mesh, point, 0, &zero, NULL)) return 0;
         side = side_from(mesh, mesh->face_of_index[zero.face.index], point->element);
-        return mesh->fan[mesh->side_fan[side]].angle;
+        return mesh->fan[gd__fan_entry(mesh, side)].angle;
     case GD_POINT_EDGE:
         return mesh->index_of_vertex[mesh->origin[side]] <
                        mesh->index_of_vertex[mesh->origin[side + 1]]
@@ -125,8 +125,8 @@ double gd__turn_in_face(const struct gd_mesh *mesh, const struct gd_point *point
                      axis = frame.along[k];
     double angle = atan2(axis.x * d.y - axis.y * d.x, axis.x * d.x + axis.y * d.y);
     if (point->kind == GD_POINT_VERTEX)
-        angle =
-            mesh->fan[mesh->side_fan[own]].angle + gd__turn_nearest(angle, corner_angle(mesh, own));
+        angle = mesh->fan[gd__fan_entry(mesh, own)].angle +
+                gd__turn_nearest(angle, corner_angle(mesh, own));
     if (point->kind == GD_POINT_EDGE && own & 1) angle += M_PI;
     return gd__turn_reduce(mesh, point, angle);
 }

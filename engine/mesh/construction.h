@@ -76,6 +76,15 @@ enum gd_status gd__afford(const struct gd__construction *work, uint64_t faces, u
 /* Returns the caller's number of a face: the input polygon that it came from. */
 uint32_t gd__input_polygon(const struct gd_mesh *mesh, uint32_t face);
 
+/* Returns the position of an input index. The index may be of a vertex that repair appended. */
+static inline struct gd_vec3 gd__input_position(const struct gd__construction *work, uint32_t index)
+{
+    uint32_t count = work->input->position_count;
+    const double *p =
+        work->input->positions[index < count ? index : work->mesh->copy_of[index - count]];
+    return (struct gd_vec3){p[0], p[1], p[2]};
+}
+
 static inline uint32_t gd__next_corner(uint32_t k)
 {
     return k == 2 ? 0 : k + 1;

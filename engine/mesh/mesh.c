@@ -14,18 +14,12 @@ struct gd_mesh *gd_mesh_retain(const struct gd_mesh *mesh)
 static void mesh_destroy(struct gd_mesh *mesh)
 {
     void *arrays[] = {
-        mesh->position,        mesh->total_angle,
-        mesh->vertex_kind,     mesh->vertex_component,
-        mesh->fan_first,       mesh->fan,
-        mesh->beyond,          mesh->side,
-        mesh->origin,          mesh->side_face,
-        mesh->side_fan,        mesh->face_side,
-        mesh->component,       mesh->boundary,
-        mesh->boundary_side,   mesh->vertex_of_index,
-        mesh->index_of_vertex, mesh->face_of_index,
-        mesh->index_of_face,   mesh->face_flipped,
-        mesh->source_polygon,  mesh->input_position,
-        mesh->repair,          mesh->copy_of,
+        mesh->position,       mesh->total_angle,   mesh->vertex_kind,     mesh->vertex_component,
+        mesh->fan_first,      mesh->fan,           mesh->beyond,          mesh->side,
+        mesh->origin,         mesh->side_face,     mesh->face_side,       mesh->component,
+        mesh->boundary,       mesh->boundary_side, mesh->vertex_of_index, mesh->index_of_vertex,
+        mesh->face_of_index,  mesh->index_of_face, mesh->face_flipped,    mesh->source_polygon,
+        mesh->input_position, mesh->repair,        mesh->copy_of,
     };
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) free(arrays[i]);
     gd__bvh_free(mesh->bvh);
@@ -70,7 +64,8 @@ struct gd_boundary gd_mesh_boundary(const struct gd_mesh *mesh, uint32_t loop)
 struct gd_vec3 gd_mesh_position(const struct gd_mesh *mesh, struct gd_vertex vertex)
 {
     assert(vertex.index < mesh->summary.index_count);
-    return mesh->input_position[vertex.index];
+    return mesh->input_position ? mesh->input_position[vertex.index]
+                                : gd__vertex_position(mesh, mesh->vertex_of_index[vertex.index]);
 }
 
 bool gd_mesh_has_face(const struct gd_mesh *mesh, struct gd_face face)
@@ -103,7 +98,7 @@ enum gd_status gd_mesh_polygons(const struct gd_mesh *mesh, struct gd_polygons *
         return GD_NO_MEMORY;
     }
     for (uint32_t i = 0; i < polygons.position_count; i++) {
-        struct gd_vec3 p = mesh->input_position[i];
+        struct gd_vec3 p = gd_mesh_position(mesh, (struct gd_vertex){i});
         memcpy(polygons.positions[i], (double[3]){p.x, p.y, p.z}, sizeof polygons.positions[i]);
     }
     uint32_t *next = polygons.corners;
@@ -115,6 +110,13 @@ enum gd_status gd_mesh_polygons(const struct gd_mesh *mesh, struct gd_polygons *
     }
     *out = polygons;
     return GD_OK;
+}
+
+uint32_t gd__fan_entry(const struct gd_mesh *mesh, uint32_t side)
+{
+    uint32_t entry = mesh->fan_first[mesh->origin[side]];
+    while (mesh->fan[entry].side != side) entry++;
+    return entry;
 }
 
 uint32_t gd__side_between(const struct gd_mesh *mesh, uint32_t a, uint32_t b)

@@ -174,26 +174,22 @@ enum gd_status gd_point_in_face(const struct gd_mesh *mesh, struct gd_face face,
     return GD_OK;
 }
 
-static inline struct gd_vec3 input_position(const struct gd_mesh *mesh, uint32_t vertex)
-{
-    return mesh->input_position[mesh->index_of_vertex[vertex]];
-}
-
 /* Computes the position by adding a multiple of the edge vector to one end. So if both ends have
  * the same x, y or z, the position has exactly this coordinate. */
 static inline struct gd_vec3 position_on_edge(const struct gd_mesh *mesh, uint32_t edge, double t)
 {
-    struct gd_vec3 a = input_position(mesh, mesh->origin[2 * edge]);
-    return gd_vec3_along(a, t, gd_vec3_sub(input_position(mesh, mesh->origin[2 * edge + 1]), a));
+    struct gd_vec3 a = gd__vertex_position(mesh, mesh->origin[2 * edge]);
+    return gd_vec3_along(a, t,
+                         gd_vec3_sub(gd__vertex_position(mesh, mesh->origin[2 * edge + 1]), a));
 }
 
 static struct gd_vec3 position_in_face(const struct gd_mesh *mesh, uint32_t face,
                                        const double weight[3])
 {
     const uint32_t *side = mesh->face_side[face];
-    struct gd_vec3 a = input_position(mesh, mesh->origin[side[0]]);
-    struct gd_vec3 ab = gd_vec3_sub(input_position(mesh, mesh->origin[side[0] ^ 1]), a);
-    struct gd_vec3 ac = gd_vec3_sub(input_position(mesh, mesh->origin[side[2]]), a);
+    struct gd_vec3 a = gd__vertex_position(mesh, mesh->origin[side[0]]);
+    struct gd_vec3 ab = gd_vec3_sub(gd__vertex_position(mesh, mesh->origin[side[0] ^ 1]), a);
+    struct gd_vec3 ac = gd_vec3_sub(gd__vertex_position(mesh, mesh->origin[side[2]]), a);
     return gd_vec3_add(a, gd_vec3_along(gd_vec3_scale(ab, weight[1]), weight[2], ac));
 }
 
@@ -202,7 +198,7 @@ static inline struct gd_vec3 point_position_of(const struct gd_mesh *mesh,
 {
     if (point->kind == GD_POINT_EDGE)
         return position_on_edge(mesh, point->element, point->weight[0]);
-    return point->kind == GD_POINT_VERTEX ? input_position(mesh, point->element)
+    return point->kind == GD_POINT_VERTEX ? gd__vertex_position(mesh, point->element)
                                           : position_in_face(mesh, point->element, point->weight);
 }
 

@@ -17,7 +17,7 @@ static bool about_end_of_edge(const struct gd_mesh *mesh, const struct gd_point 
         if (mesh->origin[side] != vertex) return false;
     }
     bool is_last = gd__side_is_boundary(mesh, side);
-    uint32_t entry = is_last ? mesh->fan_first[vertex + 1] - 1 : mesh->side_fan[side];
+    uint32_t entry = is_last ? mesh->fan_first[vertex + 1] - 1 : gd__fan_entry(mesh, side);
     *out =
         (struct gd__polar){.vertex = vertex,
                            .entry = entry,
@@ -34,7 +34,7 @@ bool gd__polar_about(const struct gd_mesh *mesh, const struct gd_point *point, u
     const uint32_t *side = mesh->face_side[point->element];
     int k = (mesh->origin[side[1]] == vertex) + 2 * (mesh->origin[side[2]] == vertex);
     if (mesh->origin[side[k]] != vertex) return false;
-    uint32_t entry = mesh->side_fan[side[k]];
+    uint32_t entry = gd__fan_entry(mesh, side[k]);
     struct gd__local at = gd__side_local(&mesh->side[side[k]], point->weight[(k + 1) % 3],
                                          point->weight[(k + 2) % 3]);
     *out = (struct gd__polar){.vertex = vertex,

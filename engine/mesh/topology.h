@@ -85,8 +85,6 @@ struct gd_mesh {
     /* for each side, its origin; the destination of side h is origin[h ^ 1] */
     uint32_t *origin;
     uint32_t *side_face; /* per side; GD_NONE at the boundary */
-    /* for each side with a face, the index in `fan` of the entry that has this side */
-    uint32_t *side_fan;
     /* for each face, its sides; side k runs from corner k to corner k + 1, and corner 0 is the
        input's corner 0 */
     uint32_t (*face_side)[3];
@@ -108,7 +106,8 @@ struct gd_mesh {
     /* for each input triangle, the input polygon that it is part of; NULL if the input had only
        triangles */
     uint32_t *source_polygon;
-    /* for each input index, the exact position given by the caller */
+    /* For each input index, the exact position given by the caller. NULL if each index has a vertex
+       of its own and `position` times `unit` gives its exact position. */
     struct gd_vec3 *input_position;
 
     struct gd_mesh_repair *repair; /* NULL without repair and weld */
@@ -159,6 +158,13 @@ static inline uint32_t gd__neighbour(const struct gd_mesh *mesh, uint32_t vertex
                                                 : gd__side_apex(mesh, mesh->fan[number - 1].side);
 }
 
+/* Returns the exact position of a vertex that the caller gave, in the caller's unit. */
+static inline struct gd_vec3 gd__vertex_position(const struct gd_mesh *mesh, uint32_t vertex)
+{
+    return mesh->input_position ? mesh->input_position[mesh->index_of_vertex[vertex]]
+                                : gd_vec3_scale(mesh->position[vertex], mesh->unit);
+}
+
 /* Returns 1 - t for a point of an edge, with full precision. In points that an older version has
  * stored, 1 - t is missing and is computed from t. */
 static inline double gd__edge_rest(const struct gd_point *point)
@@ -172,6 +178,10 @@ static inline bool gd__mesh_is_graded(const struct gd_mesh *mesh)
 {
     return mesh->summary.edge_length.min < GD_TOL_GRADED * mesh->summary.edge_length.max;
 }
+
+/* Returns the index in `fan` of the entry of a side, which must have a face. Walks the fan of the
+ * side's origin. */
+uint32_t gd__fan_entry(const struct gd_mesh *mesh, uint32_t side);
 
 /* Returns the side that runs from vertex a to vertex b, or GD_NONE. Walks the fan of a. */
 uint32_t gd__side_between(const struct gd_mesh *mesh, uint32_t a, uint32_t b);

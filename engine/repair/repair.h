@@ -34,9 +34,3 @@ static inline uint32_t gd__index_of_triangle(const struct gd__construction *work
 {
     return work->face_index ? work->face_index[triangle] : triangle;
 }
-
-static inline struct gd_vec3 gd__input_position(const struct gd__construction *work, uint32_t index)
-{
-    const double *p = work->input->positions[index];
-    return (struct gd_vec3){p[0], p[1], p[2]};
-}

@@ -192,7 +192,6 @@ static void check_same_mesh(const struct gd_mesh *a, const struct gd_mesh *b)
     assert_memory_equal(&a->summary, &b->summary, sizeof a->summary);
     assert_memory_equal(a->side, b->side, 2 * edges * sizeof *a->side);
     assert_memory_equal(a->origin, b->origin, 2 * edges * sizeof *a->origin);
-    assert_memory_equal(a->side_fan, b->side_fan, 2 * edges * sizeof *a->side_fan);
     assert_memory_equal(a->face_side, b->face_side, faces * sizeof *a->face_side);
     assert_memory_equal(a->fan, b->fan, 3 * faces * sizeof *a->fan);
     assert_memory_equal(a->beyond, b->beyond, 3 * faces * sizeof *a->beyond);

@@ -34,7 +34,7 @@ static void expect_fan(const struct gd_mesh *mesh, uint32_t v)
     for (uint32_t i = begin; i < end; i++) {
         uint32_t h = mesh->fan[i].side, after = mesh->side[h].left;
         assert_int_equal(mesh->origin[h], v);
-        assert_int_equal(mesh->side_fan[h], i);
+        assert_int_equal(gd__fan_entry(mesh, h), i);
         expect_near(mesh->fan[i].angle, angle, 1e-13);
         angle += angle_at(mesh, h);
         if (i + 1 < end)

@@ -48,7 +48,7 @@ static void expect_links(const struct gd_mesh *mesh, uint32_t h)
     assert_int_equal(gd__side_next(mesh, next), previous);
     assert_int_equal(gd__side_next(mesh, previous), h);
     assert_int_equal(mesh->side_face[next], mesh->side_face[h]);
-    assert_int_equal(mesh->fan[mesh->side_fan[h]].side, h);
+    assert_int_equal(mesh->fan[gd__fan_entry(mesh, h)].side, h);
 }
 
 static void expect_face(const struct gd_mesh *mesh, const struct gd_polygons *input, uint32_t face)

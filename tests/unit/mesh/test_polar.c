@@ -61,7 +61,7 @@ static void a_point_of_an_edge_lies_where_its_entry_begins(void **state)
         assert_true(gd__polar_beside(mesh, &point, &polar));
         assert_int_equal(polar.vertex, mesh->origin[side]);
         assert_true(polar.radius == 1e-12 * mesh->side[side].length);
-        assert_true(polar.angle == mesh->fan[mesh->side_fan[side]].angle);
+        assert_true(polar.angle == mesh->fan[gd__fan_entry(mesh, side)].angle);
     }
     gd_mesh_release(mesh);
 }
