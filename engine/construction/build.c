@@ -16,8 +16,8 @@ static const struct step steps[] = {
     {gd__order, 0.17},         {gd__scale, 0.23},
     {gd__connect, 0.34},       {gd__orient, 0.38},
     {gd__check_vertices, 0.4}, {gd__make_sides, 0.65},
-    {gd__make_fans, 0.89},     {gd__summarise, 0.95},
-    {gd__make_bvh, 1},
+    {gd__measure, 0.7},        {gd__make_fans, 0.94},
+    {gd__summarise, 0.95},     {gd__make_bvh, 1},
 };
 
 static enum gd_status run_steps(struct gd__construction *work)
@@ -54,12 +54,12 @@ static void free_scratch(struct gd__construction *work)
     free(work->merged.first);
     if (work->triangle && work->triangle[0] != work->polygons->corners) free(work->triangle);
     free(work->face_index);
-    free(work->corner);
-    free(work->neighbour);
-    free(work->component);
-    free(work->any_corner);
-    free(work->measure);
-    free(work->edge_length);
+    gd__scratch_free(work, work->corner);
+    gd__scratch_free(work, work->neighbour);
+    gd__scratch_free(work, work->component);
+    gd__scratch_free(work, work->any_corner);
+    gd__scratch_free(work, work->measure);
+    gd__scratch_free(work, work->edge_length);
 }
 
 enum gd_status gd_mesh_build(const struct gd_polygons *polygons,

@@ -145,14 +145,18 @@ static enum gd_status refuse_crowded(const struct gd__construction *work,
 enum gd_status gd__connect(struct gd__construction *work)
 {
     const struct gd_mesh *mesh = work->mesh;
-    struct gd__edge_table table = {0};
+    size_t sides = 3 * (size_t)mesh->face_count;
+    struct gd__loan *loan = &work->until_sides;
+    work->neighbour = gd__scratch_array(work, loan, sides, sizeof *work->neighbour);
+    struct gd__edge_table table = {
+        mesh->vertex_count,
+        gd__scratch_array(work, loan, (size_t)mesh->vertex_count + 1, sizeof *table.first),
+        gd__scratch_array(work, loan, sides + 1, sizeof *table.use)};
     struct findings findings = {0};
-    work->neighbour =
-        gd__scratch_array(work, 3 * (size_t)mesh->face_count, sizeof *work->neighbour);
-    if (!work->neighbour) return GD_NO_MEMORY;
-    enum gd_status status =
-        gd__edge_table_create((const uint32_t(*)[3])work->corner, mesh->face_count,
-                              mesh->vertex_count, &work->pace, &table);
+    enum gd_status status = work->neighbour && table.first && table.use ? GD_OK : GD_NO_MEMORY;
+    if (!status)
+        status = gd__edge_table_fill((const uint32_t(*)[3])work->corner, mesh->face_count,
+                                     &work->pace, &table);
     struct joining joining = {.work = work, .table = &table};
     if (!status) gd__slices_run(&work->pace, mesh->vertex_count, join_slice, &joining);
     if (!status && joining.has_offenders) status = find_offenders(work, &table, &findings);
@@ -160,6 +164,7 @@ enum gd_status gd__connect(struct gd__construction *work)
         status = refuse_duplicates(work, &findings.duplicates);
     else if (!status && findings.crowded.total)
         status = refuse_crowded(work, &table, &findings.crowded);
-    gd__edge_table_free(&table);
+    gd__scratch_free(work, table.first);
+    gd__scratch_free(work, table.use);
     return status;
 }

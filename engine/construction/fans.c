@@ -79,7 +79,8 @@ enum gd_status gd__make_fans(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
     struct fan_making making = {.work = work};
-    mesh->fan = gd__mesh_array(work, 3 * (size_t)mesh->face_count, sizeof *mesh->fan);
+    mesh->fan =
+        gd__take_back(work, &work->until_fans, 3 * (size_t)mesh->face_count, sizeof *mesh->fan);
     mesh->beyond = gd__mesh_array(work, 3 * (size_t)mesh->face_count, sizeof *mesh->beyond);
     mesh->total_angle = gd__mesh_array(work, mesh->vertex_count, sizeof *mesh->total_angle);
     mesh->vertex_kind = gd__mesh_array(work, mesh->vertex_count, sizeof *mesh->vertex_kind);

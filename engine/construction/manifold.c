@@ -120,7 +120,7 @@ enum gd_status gd__check_vertices(struct gd__construction *work)
     struct gd_mesh *mesh = work->mesh;
     struct fan_check check = {.work = work};
     mesh->fan_first = gd__mesh_array(work, (size_t)mesh->vertex_count + 1, sizeof *mesh->fan_first);
-    work->any_corner = gd__scratch_array(work, mesh->vertex_count, sizeof *work->any_corner);
+    work->any_corner = gd__scratch_array(work, NULL, mesh->vertex_count, sizeof *work->any_corner);
     if (!mesh->fan_first || !work->any_corner) return GD_NO_MEMORY;
     count_corners(work);
     gd__slices_run(&work->pace, mesh->vertex_count, check_fans, &check);

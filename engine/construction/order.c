@@ -93,10 +93,11 @@ static enum gd_status number_vertices(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
     uint32_t count = mesh->vertex_count;
-    struct keyed_vertex *keyed = gd__scratch_array(work, 2 * (size_t)count, sizeof *keyed);
+    struct keyed_vertex *keyed =
+        gd__scratch_array(work, &work->until_sides, 2 * (size_t)count, sizeof *keyed);
     mesh->index_of_vertex = gd__mesh_array(work, count, sizeof *mesh->index_of_vertex);
     if (!keyed || !mesh->index_of_vertex) {
-        free(keyed);
+        gd__scratch_free(work, keyed);
         return GD_NO_MEMORY;
     }
     encode(work, keyed);
@@ -106,7 +107,7 @@ static enum gd_status number_vertices(struct gd__construction *work)
         mesh->index_of_vertex[v] = sorted[v].index;
         mesh->vertex_of_index[sorted[v].index] = v;
     }
-    free(keyed);
+    gd__scratch_free(work, keyed);
     return GD_OK;
 }
 
@@ -164,12 +165,15 @@ enum gd_status gd__order(struct gd__construction *work)
     mesh->face_of_index =
         gd__mesh_array(work, mesh->summary.face_index_count, sizeof *mesh->face_of_index);
     mesh->index_of_face = gd__mesh_array(work, mesh->face_count, sizeof *mesh->index_of_face);
-    work->corner = gd__scratch_array(work, mesh->face_count, sizeof *work->corner);
+    enum gd_status status = gd__lend_arrays(work);
+    if (status) return status;
+    work->corner =
+        gd__scratch_array(work, &work->until_fans, mesh->face_count, sizeof *work->corner);
     if (!mesh->vertex_of_index || !mesh->face_of_index || !mesh->index_of_face || !work->corner)
         return GD_NO_MEMORY;
     mark_referenced(work);
     find_bounding_box(work);
-    enum gd_status status = number_vertices(work);
+    status = number_vertices(work);
     if (!status) status = number_faces(work);
     if (!status) name_merged_vertices(work);
     return status;

@@ -58,7 +58,8 @@ static enum gd_status orient_refuse(const struct gd__construction *work,
 enum gd_status gd__orient(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
-    work->component = gd__scratch_array(work, mesh->face_count, sizeof *work->component);
+    work->component =
+        gd__scratch_array(work, &work->until_fans, mesh->face_count, sizeof *work->component);
     mesh->face_flipped = gd__mesh_array(work, mesh->face_count, sizeof *mesh->face_flipped);
     if (!work->component || !mesh->face_flipped) return GD_NO_MEMORY;
     struct contradictions contradictions = {.work = work};

@@ -134,16 +134,18 @@ enum gd_status gd__make_sides(struct gd__construction *work)
     struct gd_mesh *mesh = work->mesh;
     mesh->edge_count = count_edges(work);
     size_t sides = 2 * (size_t)mesh->edge_count;
+    struct gd__loan *loan = &work->until_fans;
     mesh->origin = gd__mesh_array(work, sides, sizeof *mesh->origin);
     mesh->side_face = gd__mesh_array(work, sides, sizeof *mesh->side_face);
-    mesh->side = gd__mesh_sides(work, sides);
     mesh->face_side = gd__mesh_array(work, mesh->face_count, sizeof *mesh->face_side);
-    work->measure = gd__scratch_array(work, mesh->face_count, sizeof *work->measure);
-    work->edge_length = gd__scratch_array(work, mesh->edge_count, sizeof *work->edge_length);
-    if (!mesh->origin || !mesh->side_face || !mesh->side || !mesh->face_side || !work->measure ||
+    work->measure = gd__scratch_array(work, loan, mesh->face_count, sizeof *work->measure);
+    work->edge_length = gd__scratch_array(work, loan, mesh->edge_count, sizeof *work->edge_length);
+    if (!mesh->origin || !mesh->side_face || !mesh->face_side || !work->measure ||
         !work->edge_length)
         return GD_NO_MEMORY;
     number_sides(work);
+    mesh->side = gd__take_back(work, &work->until_sides, sides, sizeof *mesh->side);
+    if (!mesh->side) return GD_NO_MEMORY;
     struct face_making making = {.work = work};
     gd__slices_run(&work->pace, mesh->face_count, make_faces, &making);
     struct gd__offenders flat = {0};

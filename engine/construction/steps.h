@@ -12,5 +12,6 @@ enum gd_status gd__connect(struct gd__construction *work);
 enum gd_status gd__orient(struct gd__construction *work);
 enum gd_status gd__check_vertices(struct gd__construction *work);
 enum gd_status gd__make_sides(struct gd__construction *work);
+enum gd_status gd__measure(struct gd__construction *work);
 enum gd_status gd__make_fans(struct gd__construction *work);
 enum gd_status gd__summarise(struct gd__construction *work);

@@ -119,13 +119,17 @@ static void sum_up(struct gd__construction *work)
     s->genus = (2 * (int64_t)s->components - s->euler_characteristic - s->boundaries) / 2;
 }
 
-enum gd_status gd__summarise(struct gd__construction *work)
+enum gd_status gd__measure(struct gd__construction *work)
 {
     enum gd_status status = label_vertices(work);
     if (!status) status = count_components(work);
-    if (!status) status = find_boundaries(work);
-    if (status) return status;
-    measure_edges(work);
-    sum_up(work);
-    return GD_OK;
+    if (!status) measure_edges(work);
+    return status;
+}
+
+enum gd_status gd__summarise(struct gd__construction *work)
+{
+    enum gd_status status = find_boundaries(work);
+    if (!status) sum_up(work);
+    return status;
 }

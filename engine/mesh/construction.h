@@ -22,6 +22,12 @@ struct gd__face_measure {
     double double_area, shortest_edge;
 };
 
+/* The memory of an array of the mesh that a later step fills. Until then, it holds scratch arrays,
+ * so the build touches fewer pages. All zero means that there is none. */
+struct gd__loan {
+    char *begin, *free, *end; /* scratch arrays are in [begin, free) */
+};
+
 struct gd__construction {
     const struct gd_polygons *input;    /* borrowed */
     const struct gd_polygons *polygons; /* input of the next steps: `input` or &`merged` */
@@ -30,6 +36,8 @@ struct gd__construction {
     struct gd_detail *detail;         /* borrowed, may be NULL */
     struct gd__pace pace;             /* pace of all loops over elements */
     struct gd_mesh *mesh;             /* owned; built in part */
+    /* memory of mesh->side and of mesh->fan; gd__order allocates it */
+    struct gd__loan until_sides, until_fans;
 
     /* The next four members are set by weld and repair. They are NULL and 0 if weld and repair
        change nothing. */
@@ -64,11 +72,22 @@ struct gd__construction {
  * of memory. Provides its pages, as gd__scratch_array does (gd__slices_touch). */
 void *gd__mesh_array(struct gd__construction *work, size_t count, size_t size);
 
-/* Like gd__mesh_array, for sides: aligned to cache lines, not zeroed. */
-struct gd_side *gd__mesh_sides(struct gd__construction *work, size_t count);
+/* Allocates the sides and the fans of a large mesh, uninitialised, and lends their memory. A mesh
+ * with sides below the size of a huge page is left unchanged. Errors: GD_NO_MEMORY. */
+enum gd_status gd__lend_arrays(struct gd__construction *work);
 
-/* Allocates an array for the time of the build, uninitialised. Returns NULL if out of memory. */
-void *gd__scratch_array(struct gd__construction *work, size_t count, size_t size);
+/* Ends the loan of an array of the mesh, adds its size to mesh->bytes and provides its pages. If
+ * gd__lend_arrays allocated no array, allocates it, aligned to cache lines, uninitialised. Returns
+ * NULL if out of memory. */
+void *gd__take_back(struct gd__construction *work, const struct gd__loan *loan, size_t count,
+                    size_t size);
+
+/* Returns an uninitialised array, which is valid until the step that ends the loan. If the loan has
+ * too little room, or is NULL, allocates the array for the time of the build. Returns NULL if out
+ * of memory. The caller frees the array by gd__scratch_free. */
+void *gd__scratch_array(struct gd__construction *work, struct gd__loan *loan, size_t count,
+                        size_t size);
+void gd__scratch_free(const struct gd__construction *work, void *array); /* NULL is allowed */
 
 /* Returns GD_BUDGET if building a mesh of that size would exceed the budget. */
 enum gd_status gd__afford(const struct gd__construction *work, uint64_t faces, uint64_t vertices);

@@ -4,6 +4,7 @@
 #include "mesh/edge_table.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static void ends_of_side(const uint32_t (*corner)[3], uint32_t side, uint32_t *low, uint32_t *high)
 {
@@ -43,10 +44,11 @@ static void sort_buckets(void *context, struct gd__pace *pace, uint32_t begin, u
         sort_bucket(table->use + table->first[v], table->first[v + 1] - table->first[v]);
 }
 
-static void edge_table_fill(const uint32_t (*corner)[3], uint32_t side_count, struct gd__pace *pace,
-                            struct gd__edge_table *table)
+enum gd_status gd__edge_table_fill(const uint32_t (*corner)[3], uint32_t face_count,
+                                   struct gd__pace *pace, struct gd__edge_table *table)
 {
-    uint32_t vertex_count = table->vertex_count, low, high;
+    uint32_t vertex_count = table->vertex_count, side_count = 3 * face_count, low, high;
+    memset(table->first, 0, ((size_t)vertex_count + 1) * sizeof *table->first);
     GD__PACED (pace, s, side_count) {
         ends_of_side(corner, s, &low, &high);
         table->first[low + 1]++;
@@ -63,6 +65,7 @@ static void edge_table_fill(const uint32_t (*corner)[3], uint32_t side_count, st
     }
     table->first[0] = 0;
     gd__slices_run(pace, vertex_count, sort_buckets, table);
+    return pace->status;
 }
 
 enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count,
@@ -70,13 +73,10 @@ enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_
                                      struct gd__edge_table *out)
 {
     struct gd__edge_table table = {vertex_count,
-                                   gd__large_zeroed((size_t)vertex_count + 1, sizeof *table.first),
+                                   gd__large_array((size_t)vertex_count + 1, sizeof *table.first),
                                    gd__large_array(3 * (size_t)face_count + 1, sizeof *table.use)};
     enum gd_status status = table.first && table.use ? GD_OK : GD_NO_MEMORY;
-    if (!status) {
-        edge_table_fill(corner, 3 * face_count, pace, &table);
-        status = pace->status;
-    }
+    if (!status) status = gd__edge_table_fill(corner, face_count, pace, &table);
     if (status)
         gd__edge_table_free(&table);
     else

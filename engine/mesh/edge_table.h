@@ -31,6 +31,11 @@ struct gd__edge_table {
 enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count,
                                      uint32_t vertex_count, struct gd__pace *pace,
                                      struct gd__edge_table *out);
+
+/* Like gd__edge_table_create, but fills the arrays of the caller's table, which are uninitialised.
+ * Errors: those of the pace. */
+enum gd_status gd__edge_table_fill(const uint32_t (*corner)[3], uint32_t face_count,
+                                   struct gd__pace *pace, struct gd__edge_table *table);
 void gd__edge_table_free(struct gd__edge_table *table);
 
 /* The sides of one edge. An iteration begins with a zeroed struct. To begin with the edges of a

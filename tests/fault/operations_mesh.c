@@ -9,7 +9,7 @@
 #include "tests/samples/samples.h"
 #include "tests/support/test.h"
 
-static struct gd_polygons terrain, solid, broken, refused, twice, flat;
+static struct gd_polygons terrain, large, solid, broken, refused, twice, flat;
 static struct gd_mesh *mesh;
 
 /* Polygons of four, five and eight corners, one of them concave. */
@@ -50,6 +50,7 @@ static void read_text(const char *text, struct gd_polygons *out)
 static void open_meshes(void)
 {
     check_ok(sample_terrain(16, 0.4, 7, &terrain), NULL);
+    check_ok(sample_terrain(80, 0.4, 7, &large), NULL);
     read_text(polygons_text, &solid);
     read_text(broken_text, &broken);
     read_text(refused_text, &refused);
@@ -100,6 +101,12 @@ static enum gd_status build(const struct gd_polygons *polygons,
 static enum gd_status build_terrain(void *out)
 {
     return build(&terrain, NULL, out);
+}
+
+/* The sides fill more than a huge page, so their memory also holds scratch arrays. */
+static enum gd_status build_large(void *out)
+{
+    return build(&large, NULL, out);
 }
 
 static enum gd_status build_polygons(void *out)
@@ -154,6 +161,7 @@ static enum gd_status locate_first_hit(void *out)
 
 static const struct operation items[] = {
     {"build a mesh", &built, build_terrain, GD_OK, NULL},
+    {"build a large mesh", &built, build_large, GD_OK, NULL},
     {"build a mesh of polygons", &built, build_polygons, GD_OK, NULL},
     {"build and repair a mesh", &built, build_repaired, GD_OK, NULL},
     {"build, weld and repair a mesh", &built, build_welded, GD_OK, NULL},
