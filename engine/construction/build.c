@@ -62,27 +62,44 @@ static void free_scratch(struct gd__construction *work)
     gd__scratch_free(work, work->edge_length);
 }
 
+/* Builds the mesh of work->input. */
+static enum gd_status build(struct gd__construction *work, const struct gd_mesh_options *options,
+                            struct gd_mesh **out)
+{
+    const struct gd_polygons *polygons = work->polygons = work->input;
+    work->pace.control = work->control;
+    if (options) work->options = *options;
+    enum gd_status status = outcome(work, gd__validate(work));
+    if (!status) status = gd__afford(work, triangle_count(polygons), polygons->position_count);
+    if (status) return status;
+    work->mesh = calloc(1, sizeof *work->mesh);
+    if (!work->mesh) return GD_NO_MEMORY;
+    work->mesh->bytes = sizeof *work->mesh;
+    atomic_init(&work->mesh->references, 1);
+    status = outcome(work, run_steps(work));
+    free_scratch(work);
+    if (status)
+        gd_mesh_release(work->mesh);
+    else
+        *out = work->mesh;
+    return status;
+}
+
 enum gd_status gd_mesh_build(const struct gd_polygons *polygons,
                              const struct gd_mesh_options *options,
                              const struct gd_control *control, struct gd_mesh **out,
                              struct gd_detail *detail)
 {
+    struct gd__construction work = {.input = polygons, .control = control, .detail = detail};
+    return build(&work, options, out);
+}
+
+enum gd_status gd_mesh_build_consuming(struct gd_polygons *polygons,
+                                       const struct gd_mesh_options *options,
+                                       const struct gd_control *control, struct gd_mesh **out,
+                                       struct gd_detail *detail)
+{
     struct gd__construction work = {
-        .input = polygons, .polygons = polygons, .control = control, .detail = detail};
-    work.pace.control = control;
-    if (options) work.options = *options;
-    enum gd_status status = outcome(&work, gd__validate(&work));
-    if (!status) status = gd__afford(&work, triangle_count(polygons), polygons->position_count);
-    if (status) return status;
-    work.mesh = calloc(1, sizeof *work.mesh);
-    if (!work.mesh) return GD_NO_MEMORY;
-    work.mesh->bytes = sizeof *work.mesh;
-    atomic_init(&work.mesh->references, 1);
-    status = outcome(&work, run_steps(&work));
-    free_scratch(&work);
-    if (status)
-        gd_mesh_release(work.mesh);
-    else
-        *out = work.mesh;
-    return status;
+        .input = polygons, .consumed = polygons, .control = control, .detail = detail};
+    return build(&work, options, out);
 }

@@ -91,6 +91,14 @@ static enum gd_status place_vertices(struct gd__construction *work)
     return is_exact ? GD_OK : keep_input_positions(work);
 }
 
+/* No later step reads the positions of the input. */
+static void consume_positions(struct gd__construction *work)
+{
+    if (!work->consumed) return;
+    free(work->consumed->positions);
+    work->consumed->positions = NULL;
+}
+
 enum gd_status gd__scale(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
@@ -116,5 +124,7 @@ enum gd_status gd__scale(struct gd__construction *work)
                        ldexp(range.min, exponent), ldexp(range.max, exponent),
                        farthest_coordinate(&mesh->summary), GD_EXTENT_RATIO);
     mesh->unit = ldexp(1, exponent + finer);
-    return place_vertices(work);
+    status = place_vertices(work);
+    if (!status) consume_positions(work);
+    return status;
 }

@@ -129,6 +129,22 @@ static enum gd_status refuse_flat_faces(const struct gd__construction *work,
     return gd__offenders_report(flat, GD_ELEMENT_FACE, GD_DEGENERATE_FACE, work->detail);
 }
 
+/* Allocates the array, or takes over that of the triangles of the input, which no later step
+ * reads. */
+static void allocate_face_sides(struct gd__construction *work)
+{
+    struct gd_mesh *mesh = work->mesh;
+    struct gd_polygons *consumed = work->consumed;
+    if (!consumed || work->triangle[0] != consumed->corners) {
+        mesh->face_side = gd__mesh_array(work, mesh->face_count, sizeof *mesh->face_side);
+        return;
+    }
+    mesh->face_side = work->triangle;
+    mesh->bytes += mesh->face_count * sizeof *mesh->face_side;
+    work->triangle = NULL;
+    consumed->corners = NULL;
+}
+
 enum gd_status gd__make_sides(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
@@ -137,7 +153,7 @@ enum gd_status gd__make_sides(struct gd__construction *work)
     struct gd__loan *loan = &work->until_fans;
     mesh->origin = gd__mesh_array(work, sides, sizeof *mesh->origin);
     mesh->side_face = gd__mesh_array(work, sides, sizeof *mesh->side_face);
-    mesh->face_side = gd__mesh_array(work, mesh->face_count, sizeof *mesh->face_side);
+    allocate_face_sides(work);
     work->measure = gd__scratch_array(work, loan, mesh->face_count, sizeof *work->measure);
     work->edge_length = gd__scratch_array(work, loan, mesh->edge_count, sizeof *work->edge_length);
     if (!mesh->origin || !mesh->side_face || !mesh->face_side || !work->measure ||

@@ -30,6 +30,7 @@ struct gd__loan {
 
 struct gd__construction {
     const struct gd_polygons *input;    /* borrowed */
+    struct gd_polygons *consumed;       /* `input`, if its arrays may be freed; otherwise NULL */
     const struct gd_polygons *polygons; /* input of the next steps: `input` or &`merged` */
     struct gd_mesh_options options;
     const struct gd_control *control; /* borrowed, may be NULL */

@@ -33,7 +33,7 @@ static enum gd_status query_geodesic_load(const void *bytes, size_t size,
     if (status) return status;
     share.done = 1;
     control = gd__share_control(&share, bytes_of_polygons(&polygons));
-    status = gd_mesh_build(&polygons, &building, &control, out, detail);
+    status = gd_mesh_build_consuming(&polygons, &building, &control, out, detail);
     gd_polygons_free(&polygons);
     return status;
 }

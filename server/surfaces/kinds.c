@@ -192,8 +192,8 @@ static enum gd_status mesh_connect(struct build *build, const struct gd_control 
                                    size_t *kept)
 {
     struct gd_mesh *mesh;
-    enum gd_status status = gd_mesh_build(&build->file.polygons, &build->mesh_options.build,
-                                          control, &mesh, &build->detail);
+    enum gd_status status = gd_mesh_build_consuming(
+        &build->file.polygons, &build->mesh_options.build, control, &mesh, &build->detail);
     if (status) return status;
     build->object = mesh;
     *kept = gd_mesh_memsize(mesh);

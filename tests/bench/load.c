@@ -45,7 +45,7 @@ static struct gd_mesh *load(const char *path, const struct bench_options *option
     bench_unmap_file(&file);
     if (status == GD_OK) {
         struct gd_mesh_options building = {.repair_split = options->repair};
-        status = gd_mesh_build(&polygons, &building, NULL, &mesh, &detail);
+        status = gd_mesh_build_consuming(&polygons, &building, NULL, &mesh, &detail);
         gd_polygons_free(&polygons);
     }
     ms[TOTAL] = bench_ms_since(start);

@@ -109,6 +109,16 @@ static enum gd_status build_large(void *out)
     return build(&large, NULL, out);
 }
 
+static enum gd_status build_consuming(void *out)
+{
+    struct gd_polygons polygons = {0};
+    struct gd_detail detail = {0};
+    enum gd_status status = sample_terrain(80, 0.4, 7, &polygons);
+    if (!status) status = gd_mesh_build_consuming(&polygons, NULL, NULL, out, &detail);
+    gd_polygons_free(&polygons);
+    return status;
+}
+
 static enum gd_status build_polygons(void *out)
 {
     return build(&solid, NULL, out);
@@ -162,6 +172,7 @@ static enum gd_status locate_first_hit(void *out)
 static const struct operation items[] = {
     {"build a mesh", &built, build_terrain, GD_OK, NULL},
     {"build a large mesh", &built, build_large, GD_OK, NULL},
+    {"build a mesh from consumed polygons", &built, build_consuming, GD_OK, NULL},
     {"build a mesh of polygons", &built, build_polygons, GD_OK, NULL},
     {"build and repair a mesh", &built, build_repaired, GD_OK, NULL},
     {"build, weld and repair a mesh", &built, build_welded, GD_OK, NULL},

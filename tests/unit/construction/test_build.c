@@ -222,6 +222,58 @@ static void two_threads_build_the_same(void **state)
     gd_polygons_free(&polygons);
 }
 
+/* Returns the offsets of triangles, as of general polygons. */
+static uint32_t *triangle_offsets(uint32_t triangles)
+{
+    uint32_t *first = malloc((triangles + (size_t)1) * sizeof *first);
+    for (uint32_t i = 0; i <= triangles; i++) first[i] = 3 * i;
+    return first;
+}
+
+/* A build that consumes the polygons makes the same mesh. Polygons other than triangles keep their
+ * corners. */
+static void consumed_polygons_make_the_same_mesh(void **state)
+{
+    (void)state;
+    for (int general = 0; general < 2; general++) {
+        struct gd_polygons polygons, copy;
+        assert_int_equal(sample_icosphere(6, 1, &polygons), GD_OK);
+        assert_int_equal(sample_icosphere(6, 1, &copy), GD_OK);
+        if (general) {
+            polygons.first = triangle_offsets(polygons.polygon_count);
+            copy.first = triangle_offsets(copy.polygon_count);
+        }
+        struct gd_mesh *mesh = build(&polygons), *other = NULL;
+        assert_int_equal(gd_mesh_build_consuming(&copy, NULL, NULL, &other, NULL), GD_OK);
+        assert_null(copy.positions);
+        assert_int_equal(copy.corners == NULL, !general);
+        check_same_mesh(mesh, other);
+        assert_int_equal(gd_mesh_memsize(mesh), gd_mesh_memsize(other));
+        gd_mesh_release(mesh);
+        gd_mesh_release(other);
+        gd_polygons_free(&polygons);
+        gd_polygons_free(&copy);
+    }
+}
+
+/* After a failed build, gd_polygons_free frees what is left. A budget that is too small leaves the
+ * polygons unchanged. */
+static void failed_builds_leave_polygons_that_can_be_freed(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons = new_bow_ties(5000);
+    struct gd_mesh *mesh = NULL;
+    const struct gd_control small = {.budget_bytes = 1000};
+    assert_int_equal(gd_mesh_build_consuming(&polygons, NULL, &small, &mesh, NULL), GD_BUDGET);
+    assert_non_null(polygons.positions);
+    assert_non_null(polygons.corners);
+    assert_int_equal(gd_mesh_build_consuming(&polygons, NULL, NULL, &mesh, NULL),
+                     GD_NON_MANIFOLD_VERTEX);
+    assert_null(mesh);
+    assert_null(polygons.positions);
+    gd_polygons_free(&polygons);
+}
+
 /* Appends a vertex in the middle of the edge between two vertices. Returns its number. */
 static uint32_t add_middle(struct gd_polygons *polygons, uint32_t a, uint32_t b)
 {
@@ -276,6 +328,8 @@ int main(void)
         cmocka_unit_test(it_can_be_cancelled_within_every_loop),
         cmocka_unit_test(a_deadline_in_the_past_stops_the_build),
         cmocka_unit_test(two_threads_build_the_same),
+        cmocka_unit_test(consumed_polygons_make_the_same_mesh),
+        cmocka_unit_test(failed_builds_leave_polygons_that_can_be_freed),
         cmocka_unit_test(two_threads_refuse_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
