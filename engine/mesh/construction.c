@@ -89,7 +89,7 @@ uint32_t gd__input_polygon(const struct gd_mesh *mesh, uint32_t face)
 /* Bytes of memory for each vertex, edge and face. They include the mesh and the working arrays of
  * the steps. COST_FIXED is the size of the table of interval.c. */
 #define COST_VERTEX 90
-#define COST_FACE   170
+#define COST_FACE   150
 #define COST_EDGE   170
 #define COST_FIXED  65536
 
