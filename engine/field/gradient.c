@@ -130,8 +130,8 @@ static struct direction of_leg(const struct gd_field *field, const struct gd__le
 }
 
 /* A path arrives at a point of a boundary edge from inside. Rounding may turn its direction across
- * the boundary by the angle in which wedges are stored, over the length of the leg. The direction is
- * then along the boundary. */
+ * the boundary: by the error of the stored ends of wedges, divided by the length of the leg. The
+ * direction is then along the boundary. */
 static struct gd_vec3 inside_boundary(const struct gd_mesh *mesh, const struct gd_point *point,
                                       struct gd_vec3 gradient)
 {
