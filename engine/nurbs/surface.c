@@ -335,6 +335,9 @@ enum gd_status gd_parametric_evaluate(const struct gd_parametric *surface, doubl
     if (!is_in_rectangle(surface, u, v)) return GD_INVALID_ARGUMENT;
     double at[2] = {gd__axis_wrap(surface->axis[0], u), gd__axis_wrap(surface->axis[1], v)};
     gd__surface_at(surface, at, out);
+    /* along a pole the surface is constant: rounding must not give a direction to its derivative */
+    if (gd__surface_pole(surface, 0, at[0])) out->v = out->vv = (struct gd_vec3){0, 0, 0};
+    if (gd__surface_pole(surface, 1, at[1])) out->u = out->uu = (struct gd_vec3){0, 0, 0};
     return GD_OK;
 }
 

@@ -107,6 +107,54 @@ static void known_curvatures(void **state)
     gd_parametric_release(screw);
 }
 
+/* Creates a unit sphere like nurbs_sphere. A projective map t -> a t / (1 + (a - 1) t) of both
+ * parameters changes knots and weights, but not the shape. */
+static struct gd_parametric *uneven_sphere(double a)
+{
+    static const double radius[5] = {0, 1, 1, 1, 0}, height[5] = {-1, -1, 0, 1, 1};
+    double points[45][3], weights[45], u[12], v[8];
+    for (int i = 0; i < 12; i++) u[i] = a * circle_knots[i] / (1 + (a - 1) * circle_knots[i]);
+    for (int j = 0; j < 8; j++) v[j] = a * half_knots[j] / (1 + (a - 1) * half_knots[j]);
+    for (int i = 0; i < 9; i++) {
+        for (int j = 0; j < 5; j++) {
+            double *p = points[5 * i + j], factor = 1;
+            p[0] = radius[j] * circle_x[i], p[1] = radius[j] * circle_y[i], p[2] = height[j];
+            for (int k = 1; k < 3; k++)
+                factor *= (1 + (a - 1) * circle_knots[i + k]) * (1 + (a - 1) * half_knots[j + k]);
+            weights[5 * i + j] = circle_weight(i) * circle_weight(j) / factor;
+        }
+    }
+    return surface_of(&(struct gd_nurbs_data){.degree_u = 2,
+                                              .degree_v = 2,
+                                              .count_u = 9,
+                                              .count_v = 5,
+                                              .knots_u = u,
+                                              .knots_v = v,
+                                              .knot_count_u = 12,
+                                              .knot_count_v = 8,
+                                              .points = (const double(*)[3])points,
+                                              .weights = weights});
+}
+
+/* With very uneven weights, rounding in the derivative along a pole is as large as the area that
+ * GD_TOL_REGULAR allows. */
+static void poles_have_no_normal(void **state)
+{
+    (void)state;
+    struct rng rng = {3};
+    for (double a = 1e-4; a < 2e4; a *= 10) {
+        struct gd_parametric *sphere = uneven_sphere(a);
+        const struct gd_axis *u = gd_parametric_axis_u(sphere), *v = gd_parametric_axis_v(sphere);
+        for (int i = 0; i < 100; i++) {
+            struct gd_jet jet =
+                jet_at(sphere, rng_between(&rng, u->low, u->high), i % 2 ? v->low : v->high);
+            assert_false(gd_jet_curvature(&jet).regular);
+            check_vector(jet.x, 0, 0, i % 2 ? -1 : 1, 1e-14);
+        }
+        gd_parametric_release(sphere);
+    }
+}
+
 static void closed_directions_and_poles_are_recognised(void **state)
 {
     (void)state;
@@ -295,6 +343,7 @@ int main(void)
         cmocka_unit_test(values_equal_those_of_other_programs),
         cmocka_unit_test(derivatives_agree_with_differences),
         cmocka_unit_test(known_curvatures),
+        cmocka_unit_test(poles_have_no_normal),
         cmocka_unit_test(closed_directions_and_poles_are_recognised),
         cmocka_unit_test(conventions_are_one_surface),
         cmocka_unit_test(flaws_are_refused_with_an_error),
