@@ -13,10 +13,12 @@ static inline double gd__line_at(uint32_t arity, uint32_t k, double s, double t)
     return k == 0 ? t : k == 1 ? 1 - s : k == 2 ? 1 - t : s;
 }
 
-/* Returns the derivative of gd__line_at along (ds,dt). */
+/* Returns the derivative of gd__line_at along (ds,dt). On a large surface, ds and dt are much
+ * smaller than the rounding error of gd__line_at. */
 static inline double gd__line_slope(uint32_t arity, uint32_t k, double ds, double dt)
 {
-    return gd__line_at(arity, k, ds, dt) - gd__line_at(arity, k, 0, 0);
+    if (arity == 3) return k == 0 ? dt : k == 1 ? -ds - dt : ds;
+    return k == 0 ? dt : k == 1 ? -ds : k == 2 ? -dt : ds;
 }
 
 /* Computes (s,t) at the parameter m in [0,1] along side k. */

@@ -122,6 +122,48 @@ static void flat(void **state)
     gd_control_mesh_free(&mesh);
 }
 
+/* Creates a bent sheet that is 2^exponent times as large as that of make_sheet. */
+static struct gd_subdivision *scaled_sheet(bool triangles, int exponent)
+{
+    struct gd_control_mesh mesh;
+    make_sheet(4, triangles, &mesh);
+    for (uint32_t i = 0; i < mesh.polygons.position_count; i++) {
+        for (int axis = 0; axis < 3; axis++)
+            mesh.polygons.positions[i][axis] = ldexp(mesh.polygons.positions[i][axis], exponent);
+    }
+    struct gd_subdivision *sheet =
+        surface_of(&mesh, triangles ? GD_SCHEME_LOOP : GD_SCHEME_CATMULL_CLARK);
+    gd_control_mesh_free(&mesh);
+    return sheet;
+}
+
+/* A power of two as scale changes no digit of a path. */
+static void scales(void **state)
+{
+    (void)state;
+    static const int exponents[] = {-200, -60, 60, 120, 200};
+    struct gd_limit_point start = {5, 0, 0.3, 0.4};
+    for (int i = 0; i < 10; i++) {
+        int exponent = exponents[i / 2];
+        struct gd_subdivision *one = scaled_sheet(i % 2, 0), *other = scaled_sheet(i % 2, exponent);
+        for (int k = 0; k < 36; k++) {
+            struct gd_vec3 direction = {cos(k * M_PI / 18), sin(k * M_PI / 18), 0};
+            struct gd_limit_path a = trace(one, start, direction, 10),
+                                 b = trace(other, start, direction, ldexp(10, exponent));
+            assert_true(a.end == b.end && a.step_count == b.step_count);
+            for (uint32_t n = 0; n < a.step_count; n++) {
+                assert_true(a.steps[n].place.u == b.steps[n].place.u);
+                assert_true(a.steps[n].place.v == b.steps[n].place.v);
+                assert_true(a.steps[n].length == ldexp(b.steps[n].length, -exponent));
+            }
+            gd_limit_path_free(&a);
+            gd_limit_path_free(&b);
+        }
+        gd_subdivision_release(one);
+        gd_subdivision_release(other);
+    }
+}
+
 /* A path that leads to the tip of a spike ends at the tip. Other paths pass the tip. */
 static void spike(void **state)
 {
@@ -313,6 +355,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(closed_geodesics),
                                        cmocka_unit_test(there_and_back),
                                        cmocka_unit_test(flat),
+                                       cmocka_unit_test(scales),
                                        cmocka_unit_test(spike),
                                        cmocka_unit_test(from_corners),
                                        cmocka_unit_test(semi_sharp_vertex),
