@@ -4,9 +4,12 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/tolerance.h"
 #include "gd/limit_place.h"
 #include "gd/locate.h"
 #include "gd/query.h"
+#include "subdiv/domain.h"
+#include "subdiv/surface.h"
 
 void gd_limit_shortest_free(struct gd_limit_shortest *shortest)
 {
@@ -82,7 +85,23 @@ static enum gd_status place_path(struct search *search)
     return status;
 }
 
-/* Allocates and computes the path's places, and evaluates the surface at them. */
+/* Returns true if the place lies on an infinitely sharp crease, where the surface has a normal for
+ * each side of the crease. */
+static bool is_on_crease(const struct gd_subdivision *surface, const struct gd_limit_point *place)
+{
+    const struct gd__net *base = &surface->base;
+    struct gd__face_place local = gd__face_place_of(surface, place);
+    for (uint32_t k = 0; k < base->arity; k++) {
+        uint32_t side = base->arity * local.face + k;
+        if (base->sharpness[side] == INFINITY && base->twin[side] != GD_NONE &&
+            fabs(gd__line_at(base->arity, k, local.s, local.t)) <= GD_TOL_PLACE)
+            return true;
+    }
+    return false;
+}
+
+/* Allocates and computes the path's places, and evaluates the surface at them. Removes the normals
+ * on creases: such a normal is right for only one of the two parts of the path. */
 static enum gd_status lift(struct search *search)
 {
     uint32_t count = search->pair.path.count < 2 ? 3 : 2 * search->pair.path.count - 1;
@@ -96,9 +115,12 @@ static enum gd_status lift(struct search *search)
     for (uint32_t i = 0; i < count; i++) search->places[i] = search->ends[0];
     status = place_path(search);
     if (status) return status;
-    return gd_limit_evaluate_many(gd_limit_mesh_surface(search->fine),
-                                  &(struct gd_limit_places){search->places, count}, search->control,
-                                  search->jets, search->detail);
+    const struct gd_subdivision *surface = gd_limit_mesh_surface(search->fine);
+    status = gd_limit_evaluate_many(surface, &(struct gd_limit_places){search->places, count},
+                                    search->control, search->jets, search->detail);
+    for (uint32_t i = 0; i < count && !status; i++)
+        if (is_on_crease(surface, &search->places[i])) search->jets[i].normal.x = NAN;
+    return status;
 }
 
 /* --- on the surface --------------------------------------------------------------------------- */
@@ -125,16 +147,22 @@ static double arc_between(const struct gd_limit_jet *from, const struct gd_limit
     struct gd_vec3 way = gd_vec3_sub(to->position, from->position);
     double chord = gd_vec3_length(way);
     if (!(chord > 0)) return 0;
-    return arc(chord, subdiv_shortest_slope_at(from, way, chord),
-               subdiv_shortest_slope_at(to, way, chord));
+    double a = subdiv_shortest_slope_at(from, way, chord),
+           b = subdiv_shortest_slope_at(to, way, chord);
+    /* if only one end has a normal, the curve counts as an arc of a circle */
+    if (isnan(from->normal.x)) a = -b;
+    if (isnan(to->normal.x)) b = -a;
+    return arc(chord, a, b);
 }
 
 /* Returns the length of a curve through three points, by extrapolation: if chords are halved, the
  * error decreases to a quarter. The extrapolation includes bends within the surface, for instance
- * at a boundary, which normals do not show. */
+ * at a boundary, which normals do not show. Without the normals at both ends, the three arcs differ
+ * in accuracy and cannot be extrapolated. */
 static double arc_by_way(const struct gd_limit_jet *jets)
 {
     double halves = arc_between(&jets[0], &jets[1]) + arc_between(&jets[1], &jets[2]);
+    if (isnan(jets[0].normal.x) || isnan(jets[2].normal.x)) return halves;
     return halves + (halves - arc_between(&jets[0], &jets[2])) / 3;
 }
 

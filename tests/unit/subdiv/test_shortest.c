@@ -132,6 +132,31 @@ static void around_a_corner(void **state)
     gd_subdivision_release(corner);
 }
 
+/* A cube whose edges are all sharp stays a cube. A path across its edges is as long as
+ * on the mesh, whether it is relaxed or not. */
+static void sharp_cube(void **state)
+{
+    (void)state;
+    struct gd_subdivision *cube =
+        surface_from(CUBE "t crease 5/1/0 0 1 3 2 0 10\nt crease 5/1/0 4 5 7 6 4 10\n"
+                          "t crease 2/1/0 0 4 10\nt crease 2/1/0 1 5 10\n"
+                          "t crease 2/1/0 2 6 10\nt crease 2/1/0 3 7 10\n",
+                     GD_SCHEME_CATMULL_CLARK);
+    struct gd_limit_mesh *fine = fine_of(cube, 3);
+    struct rng rng = {9};
+    for (int i = 0; i < 60; i++) {
+        struct gd_limit_point place[2];
+        for (int k = 0; k < 2; k++)
+            place[k] = (struct gd_limit_point){rng_below(&rng, 6), 0, rng_unit(&rng) * (i % 3 > 0),
+                                               rng_unit(&rng) * (i % 2)};
+        struct gd_limit_shortest shortest = find(fine, place[0], place[1]);
+        assert_true(fabs(shortest.distance - shortest.mesh_distance) <= 1e-11);
+        gd_limit_shortest_free(&shortest);
+    }
+    gd_limit_mesh_free(fine);
+    gd_subdivision_release(cube);
+}
+
 static void edge_cases(void **state)
 {
     (void)state;
@@ -165,7 +190,8 @@ static void edge_cases(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(plane), cmocka_unit_test(quarter_of_a_closed_geodesic),
-        cmocka_unit_test(laws), cmocka_unit_test(around_a_corner), cmocka_unit_test(edge_cases)};
+        cmocka_unit_test(plane),      cmocka_unit_test(quarter_of_a_closed_geodesic),
+        cmocka_unit_test(laws),       cmocka_unit_test(around_a_corner),
+        cmocka_unit_test(sharp_cube), cmocka_unit_test(edge_cases)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
