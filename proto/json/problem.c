@@ -169,6 +169,11 @@ bool proto_problem_from_status(struct proto_problem *problem, enum gd_status sta
 {
     enum proto_problem_code code = code_of(status);
     if (code == PROTO_PROBLEM_INTERNAL) return set_internal(problem, status);
+    if (code == PROTO_PROBLEM_DEADLINE_EXCEEDED)
+        return proto_problem_set(problem, code,
+                                 "%s; request less, or raise timeout_ms, at most to the daemon's "
+                                 "--timeout-ms",
+                                 gd_status_sentence(status));
     const char *sentence = detail && detail->text[0] ? detail->text : gd_status_sentence(status);
     proto_problem_set(problem, code, "%s", sentence);
     if (code == PROTO_PROBLEM_INVALID_MESH) problem->reason = gd_status_name(status);

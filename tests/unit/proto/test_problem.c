@@ -88,6 +88,7 @@ static void maps_every_status(void **state)
         assert_int_equal(problem.code, cases[i].code);
         assert_int_equal(problem.status, cases[i].http);
         assert_null(problem.reason);
+        if (cases[i].status == GD_DEADLINE) assert_non_null(strstr(problem.detail, "timeout_ms"));
     }
     for (int status = GD_UNRECOGNIZED; status <= GD_NOT_TRIANGULABLE; status++) {
         assert_false(proto_problem_from_status(&problem, (enum gd_status)status, NULL));
