@@ -1,6 +1,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "base/pace.h"
 #include "field/circle.h"
 #include "window/contest.h"
 
@@ -12,9 +13,14 @@
  * crosses edges. Therefore a maximum is a vertex, a point of a boundary edge between two sources, a
  * point of any edge between two segments, or a point between three sources. Vertices are tried
  * first. Then the search visits only faces whose distances may exceed the best distance so far. In
- * each face it uses only the sources that may give such distances. */
+ * each face it uses only the sources that may give such distances. If these are many, it divides
+ * the face and its sides into parts with few sources. */
 
-enum { CHECK_INTERVAL = 64 /* faces */ };
+enum {
+    STEPS_OF_FACE = GD__PACE_STEPS / 64,
+    FEW = 12,       /* number of sources of which all triples are tried */
+    DEPTH_MOST = 24 /* of cells; a cell of this depth is 2^24 times smaller than its face */
+};
 
 struct candidate {
     double most; /* upper bound of the distances in the face */
@@ -24,13 +30,16 @@ struct candidate {
 struct search {
     const struct gd_field *field;
     const struct gd_mesh *mesh;
+    struct gd__pace pace;
     double best;
     struct gd_point point;
     struct candidate *candidate;
     uint32_t candidate_count, candidate_capacity;
     struct gd__sources sources;
     struct gd__spans covered, spans;
-    uint32_t *rising; /* sources of the current face that may exceed the best distance */
+    /* sources of the current face that may exceed the best distance; behind them, those of the
+       parts that are being searched */
+    uint32_t *rising;
     uint32_t rising_count, rising_capacity;
 };
 
@@ -60,6 +69,7 @@ static void offer_place(struct search *search, struct gd__local at)
     struct gd_point point =
         gd__face_frame_point(search->mesh, search->sources.face, &search->sources.frame, at);
     struct gd__leg_key way;
+    (void)gd__pace(&search->pace, search->sources.count);
     gd__field_leg_key(search->field, &point, &way);
     if (way.kind == GD__LEG_NONE || way.distance <= search->best) return;
     search->best = way.distance;
@@ -208,7 +218,21 @@ static int places_between(const struct gd__source *const s[3], struct gd__local 
     return kept;
 }
 
-static void search_between(struct search *search, uint32_t i, uint32_t k, uint32_t l)
+/* The disc around a part of the face that is searched. */
+struct disc {
+    struct gd__local centre;
+    double radius;
+};
+
+static const struct disc everything = {.radius = INFINITY};
+
+static bool disc_has(const struct disc *disc, struct gd__local place)
+{
+    return hypot(place.x - disc->centre.x, place.y - disc->centre.y) <= disc->radius;
+}
+
+static void search_between(struct search *search, const struct disc *disc, uint32_t i, uint32_t k,
+                           uint32_t l)
 {
     const struct gd__source *all = search->sources.source, *s[3] = {&all[i], &all[k], &all[l]};
     const struct gd__face_frame *frame = &search->sources.frame;
@@ -218,18 +242,103 @@ static void search_between(struct search *search, uint32_t i, uint32_t k, uint32
     s[point] = &all[i];
     int count = places_between(s, place);
     for (int p = 0; p < count; p++)
-        if (gd__source_distance(s[0], place[p]) > search->best &&
+        if (gd__source_distance(s[0], place[p]) > search->best && disc_has(disc, place[p]) &&
             gd__face_frame_has(frame, place[p], GD_TOL_CHECK * frame->size))
             offer_place(search, place[p]);
 }
 
+/* Sources of a part of the face: `count` items of `rising` from `first` on. */
+struct list {
+    uint32_t first, count;
+};
+
+/* Tries all triples of a list. */
+static void search_triples(struct search *search, const struct disc *disc, const struct list *list)
+{
+    const uint32_t *source = search->rising + list->first, count = list->count;
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t k = i + 1; k < count && gd__pace(&search->pace, 2 * (count - k)); k++)
+            for (uint32_t l = k + 1; l < count; l++)
+                search_between(search, disc, source[i], source[k], source[l]);
+}
+
+/* Appends to `rising` the sources of a list that may give a distance beyond the best one in the
+ * disc. Sets *out to them. Returns false if there are none. Between two points of a face the
+ * distance changes by at most the distance of the points, and so does the distance from one source.
+ */
+static bool narrow(struct search *search, const struct disc *disc, const struct list *list,
+                   struct list *out)
+{
+    const struct gd__sources *sources = &search->sources;
+    struct gd__leg_key way;
+    *out = (struct list){search->rising_count, 0};
+    if (!gd__pace(&search->pace, 8 + sources->count)) return false;
+    struct gd_point point =
+        gd__face_frame_point(search->mesh, sources->face, &sources->frame, disc->centre);
+    gd__field_leg_key(search->field, &point, &way);
+    if (way.kind == GD__LEG_NONE) return false; /* the whole face is unreached */
+    double slack = gd__envelope_slack(way.distance + disc->radius, sources->frame.size),
+           away = 2 * disc->radius + slack;
+    if (way.distance + disc->radius + slack < search->best) return false;
+    double least = fmax(way.distance - away, search->best - disc->radius - slack);
+    for (uint32_t i = 0; i < list->count && gd__pace(&search->pace, 1); i++) {
+        uint32_t source = search->rising[list->first + i];
+        double distance = gd__source_distance(&sources->source[source], disc->centre);
+        if (distance < least || distance > way.distance + away) continue;
+        search->pace.status = gd__array_append(&search->rising, &search->rising_count,
+                                               &search->rising_capacity, &source, sizeof source);
+    }
+    out->count = search->rising_count - out->first;
+    return !search->pace.status && out->count > 1;
+}
+
+static struct gd__local middle_of(struct gd__local a, struct gd__local b)
+{
+    return (struct gd__local){0.5 * (a.x + b.x), 0.5 * (a.y + b.y)};
+}
+
+/* Returns the disc of a triangle, which is slightly larger than the triangle. */
+static struct disc disc_around(const struct gd__local corner[3])
+{
+    struct disc disc = {{(corner[0].x + corner[1].x + corner[2].x) / 3,
+                         (corner[0].y + corner[1].y + corner[2].y) / 3},
+                        0};
+    for (int k = 0; k < 3; k++)
+        disc.radius =
+            fmax(disc.radius, hypot(corner[k].x - disc.centre.x, corner[k].y - disc.centre.y));
+    disc.radius *= 1.001;
+    return disc;
+}
+
+/* Searches a triangle of the face. If it has many sources, it is divided into four triangles, each
+ * of which has fewer. */
+static void search_cell(struct search *search, const struct gd__local corner[3],
+                        const struct list *list, int depth)
+{
+    struct disc disc = disc_around(corner);
+    struct gd__local side[3];
+    struct list kept;
+    for (int k = 0; k < 3; k++) side[k] = middle_of(corner[k], corner[(k + 1) % 3]);
+    if (!narrow(search, &disc, list, &kept)) {
+        /* nothing to search */
+    } else if (kept.count <= FEW || depth == DEPTH_MOST) {
+        search_triples(search, &disc, &kept);
+    } else {
+        for (int k = 0; k < 3; k++)
+            search_cell(search, (const struct gd__local[]){corner[k], side[k], side[(k + 2) % 3]},
+                        &kept, depth + 1);
+        search_cell(search, side, &kept, depth + 1);
+    }
+    search->rising_count = kept.first;
+}
+
 static void search_inside(struct search *search)
 {
-    const uint32_t *rising = search->rising;
-    for (uint32_t i = 0; i < search->rising_count; i++)
-        for (uint32_t k = i + 1; k < search->rising_count; k++)
-            for (uint32_t l = k + 1; l < search->rising_count; l++)
-                search_between(search, rising[i], rising[k], rising[l]);
+    const struct list all = {0, search->rising_count};
+    if (all.count <= FEW)
+        search_triples(search, &everything, &all);
+    else
+        search_cell(search, search->sources.frame.corner, &all, 0);
 }
 
 /* --- along edges ------------------------------------------------------------------------------ */
@@ -251,25 +360,71 @@ static struct gd__window window_of(const struct gd__face_frame *frame, int k,
                                .source = source->linear ? GD__SOURCE_LINEAR : 0};
 }
 
-static void search_pair_along(struct search *search, int k, const struct gd__source *first,
-                              const struct gd__source *second)
+/* A part of side `k` of the face, by distances from its corner k. */
+struct stretch {
+    int k;
+    bool is_boundary;
+    double from, to;
+};
+
+static void search_pair_along(struct search *search, const struct stretch *part,
+                              const struct disc *disc, const struct gd__source *const s[2])
 {
     const struct gd__face_frame *frame = &search->sources.frame;
-    struct gd__window a = window_of(frame, k, first), b = window_of(frame, k, second);
+    int k = part->k;
+    struct gd__window a = window_of(frame, k, s[0]), b = window_of(frame, k, s[1]);
     struct gd__contest_result verdict = gd__contest(&a, &b, 0, frame->length[k]);
-    for (int s = 0; s < verdict.switches; s++)
-        if (gd__window_distance(&a, verdict.at[s]) > search->best)
-            offer_place(search, gd__face_frame_place(frame, k, verdict.at[s], 0));
+    for (int i = 0; i < verdict.switches; i++) {
+        struct gd__local place = gd__face_frame_place(frame, k, verdict.at[i], 0);
+        if (gd__window_distance(&a, verdict.at[i]) > search->best && disc_has(disc, place))
+            offer_place(search, place);
+    }
+}
+
+/* Tries all pairs of a list. */
+static void search_pairs(struct search *search, const struct stretch *part, const struct disc *disc,
+                         const struct list *list)
+{
+    const uint32_t *source = search->rising + list->first;
+    for (uint32_t i = 0; i < list->count && gd__pace(&search->pace, 4 * list->count); i++)
+        for (uint32_t j = i + 1; j < list->count; j++) {
+            const struct gd__source *all = search->sources.source,
+                                    *s[2] = {&all[source[i]], &all[source[j]]};
+            if (part->is_boundary || (s[0]->linear && s[1]->linear))
+                search_pair_along(search, part, disc, s);
+        }
+}
+
+/* Searches a part of a side. If it has many sources, it is halved. */
+static void search_stretch(struct search *search, const struct stretch *part,
+                           const struct list *list, int depth)
+{
+    double middle = 0.5 * (part->from + part->to);
+    struct disc disc = {gd__face_frame_place(&search->sources.frame, part->k, middle, 0),
+                        1.001 * (middle - part->from)};
+    struct stretch half[2] = {*part, *part};
+    struct list kept;
+    half[0].to = half[1].from = middle;
+    if (!narrow(search, &disc, list, &kept)) {
+        /* nothing to search */
+    } else if (kept.count <= FEW || depth == DEPTH_MOST) {
+        search_pairs(search, part, &disc, &kept);
+    } else {
+        search_stretch(search, &half[0], &kept, depth + 1);
+        search_stretch(search, &half[1], &kept, depth + 1);
+    }
+    search->rising_count = kept.first;
 }
 
 static void search_along(struct search *search, int k, bool is_boundary)
 {
-    const struct gd__source *all = search->sources.source;
-    const uint32_t *rising = search->rising;
-    for (uint32_t i = 0; i < search->rising_count; i++)
-        for (uint32_t j = i + 1; j < search->rising_count; j++)
-            if (is_boundary || (all[rising[i]].linear && all[rising[j]].linear))
-                search_pair_along(search, k, &all[rising[i]], &all[rising[j]]);
+    const struct list all = {0, search->rising_count};
+    const struct stretch side = {k, is_boundary, 0, search->sources.frame.length[k]};
+    if (!is_boundary && !search->field->has_segments) return;
+    if (all.count <= FEW)
+        search_pairs(search, &side, &everything, &all);
+    else
+        search_stretch(search, &side, &all, 0);
 }
 
 static enum gd_status search_face(struct search *search, uint32_t face)
@@ -280,7 +435,7 @@ static enum gd_status search_face(struct search *search, uint32_t face)
         search_along(search, k,
                      gd__side_is_boundary(search->mesh, search->mesh->face_side[face][k] ^ 1));
     search_inside(search);
-    return GD_OK;
+    return search->pace.status;
 }
 
 /* Returns true if the field has a distance for every seed at a vertex. For every other seed, its
@@ -316,15 +471,15 @@ static bool is_within_reach(const struct search *search)
 enum gd_status gd_field_farthest(const struct gd_field *field, const struct gd_control *control,
                                  struct gd_point *point, double *distance)
 {
-    struct search search = {.field = field, .mesh = field->mesh};
+    struct search search = {.field = field, .mesh = field->mesh, .pace = {.control = control}};
     if (!is_within_reach(&search)) return GD_BEYOND_REACH;
     take_farthest_vertex(&search);
     enum gd_status status = gd_control_check(control, 0);
     if (!status) status = find_candidates(&search);
     for (uint32_t i = 0;
          i < search.candidate_count && !status && search.candidate[i].most > search.best; i++) {
-        if (i % CHECK_INTERVAL == 0)
-            status = gd_control_check(control, (double)i / search.candidate_count);
+        search.pace.fraction = (double)i / search.candidate_count;
+        status = gd__pace_step(&search.pace, STEPS_OF_FACE);
         if (!status) status = search_face(&search, search.candidate[i].face);
     }
     close_search(&search);

@@ -459,6 +459,42 @@ static void farthest_from_boundaries(void **state)
     assert_true(kinds[GD_POINT_FACE] > 0);
 }
 
+static bool count_calls(void *user, double fraction)
+{
+    (void)fraction;
+    ++*(uint32_t *)user;
+    return true;
+}
+
+/* Seeds on a lattice of squares in a right triangle, which is one face. The farthest point is the
+ * middle of a square. The call checks its control all the time, although there is only one face. */
+static void farthest_from_many_seeds_in_a_face(void **state)
+{
+    (void)state;
+    enum { STEPS = 16, SEEDS = (STEPS + 1) * (STEPS + 2) / 2 };
+    double positions[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    uint32_t corners[3] = {0, 1, 2}, count = 0, calls = 0;
+    struct gd_polygons one = {
+        .positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners};
+    struct gd_mesh *mesh = test_mesh(&one);
+    struct gd_seed seeds[SEEDS] = {0};
+    for (int i = 0; i <= STEPS; i++)
+        for (int j = 0; i + j <= STEPS; j++)
+            seeds[count++].point = test_point(
+                mesh, (struct test_place){
+                          0, {1 - (double)(i + j) / STEPS, (double)i / STEPS, (double)j / STEPS}});
+    struct gd_field *field = test_field(mesh, seeds, SEEDS, 0);
+    struct gd_point point;
+    double distance;
+    farthest(field, &point, &distance);
+    check_close(distance, sqrt(0.5) / STEPS, promise);
+    struct gd_control control = {.progress = count_calls, .user = &calls};
+    check_ok(gd_field_farthest(field, &control, &point, &distance), NULL);
+    assert_true(calls > 10);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+}
+
 static void other_components_and_refusals(void **state)
 {
     (void)state;
@@ -567,6 +603,7 @@ int main(void)
         cmocka_unit_test(farthest_on_any_surface),
         cmocka_unit_test(farthest_in_partial_fields),
         cmocka_unit_test(farthest_with_late_seeds),
+        cmocka_unit_test(farthest_from_many_seeds_in_a_face),
         cmocka_unit_test(other_components_and_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
