@@ -117,6 +117,7 @@ struct tracer {
 
 static enum gd_status check_work(struct tracer *tracer, double fraction)
 {
+    tracer->scratch.pace.fraction = fraction;
     if (tracer->work++ % CHECK_INTERVAL) return GD_OK;
     return gd_control_check(tracer->control, fraction);
 }
@@ -228,6 +229,7 @@ enum gd_status gd_voronoi_trace(const struct gd_field *field, const uint32_t *me
                                         .mesh = field->mesh,
                                         .member_of_seed = member_of_seed,
                                         .arrays.budget.control = control},
+                            .scratch.pace.control = control,
                             .control = control};
     enum gd_status status = trace_diagram(&tracer, tolerance, out);
     gd__arrays_free(&tracer.diagram.arrays);

@@ -247,7 +247,8 @@ enum gd_status gd__face_bisector_parts(struct gd__diagram *diagram, uint32_t fac
         for (uint32_t j = i + 1; j < sources->count && !status; j++) {
             if (member_of(&work, i) == member_of(&work, j)) continue;
             bool ordered = is_before(&work, i, j);
-            status = append_between(&work, ordered ? i : j, ordered ? j : i);
+            status = gd__pace_step(&scratch->pace, sources->count);
+            if (!status) status = append_between(&work, ordered ? i : j, ordered ? j : i);
         }
     }
     return status;

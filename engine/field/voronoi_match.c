@@ -312,6 +312,8 @@ static enum gd_status match_corners(const struct work *work)
         for (uint32_t k = i + 1; k < scratch->loose_count && !status; k++) {
             struct gd__loose_end *a = &scratch->loose[i], *b = &scratch->loose[k],
                                  *third = find_third(work, a, b);
+            status = gd__pace_step(&scratch->pace, 1 + scratch->loose_count / 8);
+            if (status) break;
             if (third) status = match_corner(work, a, b, third);
         }
     }

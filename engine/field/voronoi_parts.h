@@ -20,6 +20,7 @@
 
 #include "base/arrays.h"
 #include "base/prefetch.h"
+#include "base/pace.h"
 #include "field/source_view.h"
 #include "gd/voronoi.h"
 #include "window/stack.h"
@@ -140,6 +141,7 @@ struct gd__voronoi_scratch {
     struct gd__loose_end *loose;
     struct gd__close_pair *tie;
     uint32_t view_capacity, loose_count, loose_capacity, tie_count, tie_capacity;
+    struct gd__pace pace; /* of the work in a face */
 };
 
 /* voronoi_edge.c: gd__edge_is_mixed returns true if the windows of an edge and its ends belong to
@@ -167,8 +169,8 @@ GD_MUST_USE enum gd_status gd__edge_owner_change(struct gd__diagram *diagram, ui
 
 /* voronoi_face.c: gd__face_bisector_parts appends the parts of a face, and collects their loose
  * ends in `scratch`; the owner changes of the face's edges must exist. gd__loose_end_append appends
- * a loose end. voronoi_match.c: gd__face_match assigns nodes to the loose ends. Error of all:
- * GD_NO_MEMORY. */
+ * a loose end. voronoi_match.c: gd__face_match assigns nodes to the loose ends. Errors:
+ * GD_NO_MEMORY, and those of the pace. */
 GD_MUST_USE enum gd_status gd__face_bisector_parts(struct gd__diagram *diagram, uint32_t face,
                                                    struct gd__voronoi_scratch *scratch);
 GD_MUST_USE enum gd_status gd__loose_end_append(struct gd__voronoi_scratch *scratch,

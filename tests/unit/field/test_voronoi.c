@@ -281,6 +281,37 @@ static void ties_behind_a_saddle(void **state)
     gd_polygons_free(&polygons);
 }
 
+static bool count_calls(void *user, double fraction)
+{
+    (void)fraction;
+    ++*(uint32_t *)user;
+    return true;
+}
+
+/* The work in one face is cubic in its seeds, so the control is checked within the face. */
+static void many_seeds_in_a_face(void **state)
+{
+    (void)state;
+    enum { SEEDS = 80 };
+    double positions[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    uint32_t corners[3] = {0, 1, 2}, calls = 0;
+    struct gd_polygons one = {
+        .positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners};
+    struct gd_mesh *mesh = test_mesh(&one);
+    struct gd_seed seeds[SEEDS] = {0};
+    struct rng rng = {7};
+    for (int i = 0; i < SEEDS; i++)
+        seeds[i].point = test_point(mesh, test_random_place(&one, &rng));
+    struct gd_field *field = test_field(mesh, seeds, SEEDS, 0);
+    struct gd_control control = {.progress = count_calls, .user = &calls};
+    struct gd_voronoi voronoi;
+    check_ok(gd_voronoi_trace(field, NULL, 1e-2, &control, &voronoi), NULL);
+    assert_true(calls > 20);
+    gd_voronoi_free(&voronoi);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+}
+
 static void refusals(void **state)
 {
     (void)state;
@@ -332,6 +363,7 @@ int main(void)
         cmocka_unit_test(random_members_on_many_surfaces),
         cmocka_unit_test(members_without_a_region),
         cmocka_unit_test(ties_behind_a_saddle),
+        cmocka_unit_test(many_seeds_in_a_face),
         cmocka_unit_test(refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
