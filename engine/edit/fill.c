@@ -2,6 +2,7 @@
  * which patch.cc refines and smooths. */
 #include <stdlib.h>
 
+#include "base/arrays.h"
 #include "base/pace.h"
 #include "base/share.h"
 #include "edit/crossings.h"
@@ -328,19 +329,17 @@ static void remove_crossing(struct filling *filling, const uint32_t *crossed,
 static enum gd_status check_patches(struct filling *filling, struct gd_detail *refusal)
 {
     struct patch_sizes all = sizes_of(filling);
-    struct gd_polygons triangles = {.positions = malloc(all.vertices * sizeof *triangles.positions),
-                                    .corners =
-                                        malloc(3 * (size_t)all.faces * sizeof *triangles.corners)};
-    uint32_t *crossed = malloc(all.faces * sizeof *crossed);
-    enum gd_status status = GD_NO_MEMORY;
-    if (triangles.positions && triangles.corners && crossed) {
-        for (uint32_t i = 0; i < filling->count; i++)
-            patch_append(&filling->holes[i].patch, &triangles);
-        status = gd__find_crossings(&triangles, &filling->part, crossed);
-        if (!status) remove_crossing(filling, crossed, refusal);
-    }
-    gd_polygons_free(&triangles);
-    free(crossed);
+    struct gd__arrays arrays = {0};
+    struct gd_polygons triangles = {
+        .positions = gd__arrays_take(&arrays, all.vertices, sizeof *triangles.positions),
+        .corners = gd__arrays_take(&arrays, 3 * (size_t)all.faces, sizeof *triangles.corners)};
+    uint32_t *crossed = gd__arrays_take(&arrays, all.faces, sizeof *crossed);
+    enum gd_status status = arrays.status;
+    for (uint32_t i = 0; !status && i < filling->count; i++)
+        patch_append(&filling->holes[i].patch, &triangles);
+    if (!status) status = gd__find_crossings(&triangles, &filling->part, crossed);
+    if (!status) remove_crossing(filling, crossed, refusal);
+    gd__arrays_free(&arrays);
     return status;
 }
 

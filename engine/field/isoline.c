@@ -56,15 +56,9 @@ struct tracer {
 
 static void close_tracer(struct tracer *tracer)
 {
-    free(tracer->parts.crossing);
-    free(tracer->parts.first_crossing);
-    free(tracer->parts.block);
-    free(tracer->parts.piece);
-    free(tracer->parts.chain);
+    gd__arrays_free(&tracer->parts.arrays);
     free(tracer->places.at);
     gd__face_scratch_destroy(&tracer->scratch);
-    free(tracer->onwards);
-    free(tracer->first);
 }
 
 /* --- crossings and chains --------------------------------------------------------------------- */
@@ -73,12 +67,7 @@ static void close_tracer(struct tracer *tracer)
  * result exists twice. */
 static enum gd_status check_work(struct tracer *tracer, double fraction)
 {
-    const struct gd__isoline_parts *parts = &tracer->parts;
-    tracer->pace.held = tracer->index->edge_blocks * sizeof *parts->block +
-                        2 * (parts->first_capacity * sizeof *parts->first_crossing +
-                             parts->crossing_capacity * sizeof *parts->crossing +
-                             parts->piece_capacity * sizeof *parts->piece +
-                             parts->chain_capacity * sizeof *parts->chain);
+    tracer->pace.held = 2 * tracer->parts.arrays.budget.held;
     tracer->pace.fraction = tracer->progress + (1 - tracer->progress) * fraction;
     return gd__pace_step(&tracer->pace, 1);
 }
@@ -112,9 +101,9 @@ static enum gd_status cross_edge_block(struct tracer *tracer, uint32_t block)
     uint32_t edge = block * BLOCK, count = tracer->mesh->edge_count,
              end = count - edge < BLOCK ? count : edge + BLOCK;
     struct gd__isoline_parts *parts = &tracer->parts;
-    enum gd_status status = gd__array_extend(&parts->first_crossing, &parts->first_capacity,
-                                             parts->first_count + UINT64_C(1) + BLOCK,
-                                             sizeof *parts->first_crossing, NULL);
+    enum gd_status status =
+        gd__arrays_extend(&parts->arrays, &parts->first_crossing, &parts->first_capacity,
+                          parts->first_count + UINT64_C(1) + BLOCK, sizeof *parts->first_crossing);
     parts->block[block] = parts->first_count;
     for (; edge < end && !status; edge++) {
         parts->first_crossing[parts->first_count++] = parts->crossing_count;
@@ -131,10 +120,10 @@ static enum gd_status cross_edges(struct tracer *tracer)
 {
     const struct gd_isoline_index *index = tracer->index;
     enum gd_status status = GD_OK;
-    tracer->parts.block = malloc(sizeof *tracer->parts.block * index->edge_blocks);
-    if (!tracer->parts.block) return GD_NO_MEMORY;
-    for (uint32_t block = 0; block < index->edge_blocks; block++)
-        tracer->parts.block[block] = GD_NONE;
+    struct gd__isoline_parts *parts = &tracer->parts;
+    parts->block = gd__arrays_take(&parts->arrays, index->edge_blocks, sizeof *parts->block);
+    if (!parts->block) return parts->arrays.status;
+    for (uint32_t block = 0; block < index->edge_blocks; block++) parts->block[block] = GD_NONE;
     for (uint32_t block = 0; block < index->edge_blocks && !status; block++)
         if (levels_have(&index->edges[block], tracer->level))
             status = cross_edge_block(tracer, block);
@@ -213,29 +202,26 @@ static enum gd_status follow_chains(struct tracer *tracer, uint32_t first, bool 
 /* Finds all lines, open ones first: an open line begins at a crossing where no chain arrives. */
 static enum gd_status find_lines(struct tracer *tracer)
 {
-    const struct gd__isoline_parts *parts = &tracer->parts;
-    enum gd_status status = GD_NO_MEMORY;
-    bool *arrives = calloc((size_t)parts->crossing_count + 1, sizeof *arrives),
-         *visited = calloc((size_t)parts->chain_count + 1, sizeof *visited);
-    tracer->onwards = malloc(sizeof *tracer->onwards * ((size_t)parts->crossing_count + 1));
-    tracer->first = malloc(sizeof *tracer->first * ((size_t)parts->chain_count + 1));
-    if (!arrives || !visited || !tracer->onwards || !tracer->first) goto done;
+    struct gd__isoline_parts *parts = &tracer->parts;
+    struct gd__arrays *arrays = &parts->arrays;
+    bool *arrives = gd__arrays_zeroed(arrays, parts->crossing_count, sizeof *arrives),
+         *visited = gd__arrays_zeroed(arrays, parts->chain_count, sizeof *visited);
+    tracer->onwards = gd__arrays_take(arrays, parts->crossing_count, sizeof *tracer->onwards);
+    tracer->first = gd__arrays_take(arrays, parts->chain_count, sizeof *tracer->first);
+    enum gd_status status = arrays->status;
+    if (status) return status;
     for (uint32_t i = 0; i < parts->crossing_count; i++) tracer->onwards[i] = GD_NONE;
     for (uint32_t i = 0; i < parts->chain_count; i++) {
         if (parts->chain[i].entry == GD_NONE) continue;
         tracer->onwards[parts->chain[i].entry] = i;
         arrives[parts->chain[i].exit] = true;
     }
-    status = GD_OK;
     for (uint32_t i = 0; i < parts->crossing_count && !status; i++)
         if (!arrives[i] && tracer->onwards[i] != GD_NONE)
             status = follow_chains(tracer, tracer->onwards[i], visited);
     tracer->open_count = tracer->line_count;
     for (uint32_t i = 0; i < parts->chain_count && !status; i++)
         if (!visited[i]) status = follow_chains(tracer, i, visited);
-done:
-    free(arrives);
-    free(visited);
     return status;
 }
 
@@ -476,7 +462,8 @@ static enum gd_status trace_level(const struct gd_isoline_index *index, double l
                             .mesh = field->mesh,
                             .level = level / field->mesh->unit,
                             .progress = progress,
-                            .pace = {.control = control}};
+                            .pace = {.control = control},
+                            .parts.arrays.budget.control = control};
     if (tracer.level > field->reach) return GD_BEYOND_REACH;
     enum gd_status status = gd_control_check(control, progress);
     if (!status) status = cross_edges(&tracer);

@@ -3,9 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/arrays.h"
 #include "base/tolerance.h"
-
-enum { CAPACITY = 64 };
 
 /* A segment, in the frame of its face's side 0. */
 struct segment {
@@ -15,7 +14,7 @@ struct segment {
 
 struct gd__meetings {
     const struct gd_mesh *mesh;
-    const struct gd_control *control;
+    struct gd__arrays arrays;
     uint32_t *newest; /* for each face, its latest segment */
     bool *is_met;     /* for each vertex, true if the line has passed through it */
     struct segment *segments;
@@ -25,30 +24,24 @@ struct gd__meetings {
 void gd__meetings_destroy(struct gd__meetings *meetings)
 {
     if (!meetings) return;
-    free(meetings->newest);
-    free(meetings->is_met);
-    free(meetings->segments);
+    gd__arrays_free(&meetings->arrays);
     free(meetings);
-}
-
-static size_t table_bytes(const struct gd_mesh *mesh)
-{
-    return mesh->face_count * sizeof(uint32_t) + mesh->vertex_count * sizeof(bool);
 }
 
 enum gd_status gd__meetings_create(const struct gd_mesh *mesh, const struct gd_point *start,
                                    const struct gd_control *control, struct gd__meetings **out)
 {
-    enum gd_status status = gd_control_afford(control, table_bytes(mesh));
-    if (status) return status;
     struct gd__meetings *meetings = calloc(1, sizeof *meetings);
     if (!meetings) return GD_NO_MEMORY;
-    *meetings = (struct gd__meetings){.mesh = mesh, .control = control};
-    meetings->newest = malloc(mesh->face_count * sizeof *meetings->newest);
-    meetings->is_met = calloc(mesh->vertex_count, sizeof *meetings->is_met);
-    if (!meetings->newest || !meetings->is_met) {
+    struct gd__arrays *arrays = &meetings->arrays;
+    meetings->mesh = mesh;
+    arrays->budget.control = control;
+    meetings->newest = gd__arrays_take(arrays, mesh->face_count, sizeof *meetings->newest);
+    meetings->is_met = gd__arrays_zeroed(arrays, mesh->vertex_count, sizeof *meetings->is_met);
+    if (arrays->status) {
+        enum gd_status status = arrays->status;
         gd__meetings_destroy(meetings);
-        return GD_NO_MEMORY;
+        return status;
     }
     memset(meetings->newest, 0xff,
            mesh->face_count * sizeof *meetings->newest); /* sets all entries to GD_NONE */
@@ -88,20 +81,6 @@ static double meetings_meet(const struct segment *a, const struct segment *b)
 
 /* --- the line --------------------------------------------------------------------------------- */
 
-static enum gd_status make_room(struct gd__meetings *meetings)
-{
-    if (meetings->count < meetings->capacity) return GD_OK;
-    uint32_t capacity = meetings->capacity ? 2 * meetings->capacity : CAPACITY;
-    enum gd_status status = gd_control_afford(
-        meetings->control, table_bytes(meetings->mesh) + capacity * sizeof *meetings->segments);
-    if (status) return status;
-    struct segment *segments = realloc(meetings->segments, capacity * sizeof *segments);
-    if (!segments) return GD_NO_MEMORY;
-    meetings->segments = segments;
-    meetings->capacity = capacity;
-    return GD_OK;
-}
-
 static struct gd__local meetings_place(const struct gd_mesh *mesh, uint32_t face,
                                        const struct gd_point *point)
 {
@@ -114,8 +93,6 @@ enum gd_status gd__meetings_add(struct gd__meetings *meetings, uint32_t face,
                                 const struct gd_point *from, const struct gd_point *to,
                                 double *part)
 {
-    enum gd_status status = make_room(meetings);
-    if (status) return status;
     struct segment segment = {meetings_place(meetings->mesh, face, from),
                               meetings_place(meetings->mesh, face, to), meetings->newest[face]};
     double first = 2;
@@ -126,7 +103,7 @@ enum gd_status gd__meetings_add(struct gd__meetings *meetings, uint32_t face,
         meetings->is_met[to->element] = true;
     }
     meetings->newest[face] = meetings->count;
-    meetings->segments[meetings->count++] = segment;
     *part = first > 1 && first < 2 ? 1 : first;
-    return GD_OK;
+    return gd__arrays_append(&meetings->arrays, &meetings->segments, &meetings->count,
+                             &meetings->capacity, &segment, sizeof segment);
 }
