@@ -22,43 +22,24 @@ static const double straight = 1e-9;
 
 /* --- directions ------------------------------------------------------------------------------- */
 
-/* Sets *out to the direction in which the path reaches contact i. This is the direction of the gap
- * before the contact, or of the previous contact if that gap is empty. Returns false at the
- * beginning of the path. */
-static bool direction_in(const struct gd__taut *taut, uint32_t i, struct gd_vec3 *out)
+/* Sets *out to the direction in which the path reaches contact i (side 0), or leaves it (side 1).
+ * This is the direction of the gap on that side, or of the next contact there if that gap is empty.
+ * Returns false at the end of the path. */
+static bool direction_at(const struct gd__taut *taut, uint32_t i, uint32_t side,
+                         struct gd_vec3 *out)
 {
-    for (;; i--) {
+    for (;; i = side ? i + 1 : i - 1) {
         struct gd_jet x;
         struct gd__contact_place place;
-        const struct gd__gap *gap = &taut->gaps[i];
+        const struct gd__gap *gap = &taut->gaps[i + side];
         if (!gap->is_empty) {
-            *out = gd__chain_velocity(gap->solution.chain, 1, &x);
+            *out = gd__chain_velocity(gap->solution.chain, !side, &x);
             return true;
         }
-        if (i == 0) return false;
-        const struct gd__contact *before = &taut->contacts.items[i - 1];
-        if (!gd__contact_is_arc(before)) continue;
-        gd__contact_at(taut->task->surface, before, before->end, &place);
-        *out = place.tangent;
-        return true;
-    }
-}
-
-/* Sets *out to the direction in which the path leaves contact i. */
-static bool direction_out(const struct gd__taut *taut, uint32_t i, struct gd_vec3 *out)
-{
-    for (;; i++) {
-        struct gd_jet x;
-        struct gd__contact_place place;
-        const struct gd__gap *gap = &taut->gaps[i + 1];
-        if (!gap->is_empty) {
-            *out = gd__chain_velocity(gap->solution.chain, 0, &x);
-            return true;
-        }
-        if (i + 1 == taut->contacts.count) return false;
-        const struct gd__contact *after = &taut->contacts.items[i + 1];
-        if (!gd__contact_is_arc(after)) continue;
-        gd__contact_at(taut->task->surface, after, after->begin, &place);
+        if (i == (side ? taut->contacts.count - 1 : 0)) return false;
+        const struct gd__contact *next = &taut->contacts.items[side ? i + 1 : i - 1];
+        if (!gd__contact_is_arc(next)) continue;
+        gd__contact_at(taut->task->surface, next, side ? next->begin : next->end, &place);
         *out = place.tangent;
         return true;
     }
@@ -285,8 +266,8 @@ static struct stand stand_of(const struct gd__taut *taut, uint32_t i)
     struct gd_vec3 in, out;
     gd__contact_at(taut->task->surface, contact, contact->begin, &stand.begin);
     gd__contact_at(taut->task->surface, contact, contact->end, &stand.end);
-    stand.has_in = direction_in(taut, i, &in);
-    stand.has_out = direction_out(taut, i, &out);
+    stand.has_in = direction_at(taut, i, 0, &in);
+    stand.has_out = direction_at(taut, i, 1, &out);
     if (stand.has_in)
         stand.in = gd__contact_turn(contact, stand.begin.normal, in, stand.begin.tangent);
     if (stand.has_out)
