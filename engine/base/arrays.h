@@ -6,9 +6,9 @@
  *     if (!arrays.status) arrays.status = work(length, seen);
  *     gd__arrays_free(&arrays);
  *
- * An array stays at its place unless it is extended. After a failure all further calls return NULL, so the caller checks `status`
- * once, before it uses the arrays. A struct that is all zero has no arrays and no limit. One owner,
- * one thread. */
+ * An array stays at its place unless it is extended. After a failure all further calls return NULL,
+ * so the caller checks `status` once, before it uses the arrays. A struct that is all zero has no
+ * arrays and no limit. One owner, one thread. */
 #pragma once
 
 #include <string.h>
@@ -28,10 +28,10 @@ struct gd__arrays {
 void *gd__arrays_take(struct gd__arrays *arrays, size_t count, size_t size);
 void *gd__arrays_zeroed(struct gd__arrays *arrays, size_t count, size_t size);
 
-/* Makes room for `count` items in an array of the owner, or a new one, whose pointer is stored at the
- * address `array`. The capacity doubles. The budget must cover the old and the new array together.
- * On failure the array is unchanged. Errors: GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE (more than 2^32 - 1
- * items). */
+/* Makes room for `count` items in an array of the owner. Its pointer is stored at the address
+ * `array`; NULL means a new array. The capacity doubles. The budget must cover the old and the new
+ * array together. On failure the array is unchanged, and so is the status. Errors: GD_NO_MEMORY,
+ * GD_BUDGET, GD_TOO_LARGE (more than 2^32 - 1 items). */
 GD_MUST_USE enum gd_status gd__arrays_extend(struct gd__arrays *arrays, void *array,
                                              uint32_t *capacity, uint64_t count, size_t size);
 

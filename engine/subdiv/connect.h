@@ -15,9 +15,9 @@ struct gd__connecting {
     struct gd__edge_key *edges; /* all sides, sorted by edge; set by gd__net_connect */
 };
 
-/* Creates the net without tags: points, faces, twins, and an infinitely sharp boundary. If all faces
- * have `arity` (4 or 3) corners, the net has no `first`. Errors: those of gd_subdivision_create that
- * concern points and faces. */
+/* Creates the net without tags: points, faces, twins, and an infinitely sharp boundary. If all
+ * faces have `arity` (4 or 3) corners, the net has no `first`. Errors: those of
+ * gd_subdivision_create that concern points and faces. */
 GD_MUST_USE enum gd_status gd__net_connect(const struct gd_polygons *polygons, uint32_t arity,
                                            struct gd__connecting *connecting, struct gd__net *net,
                                            struct gd_detail *detail);

@@ -45,11 +45,32 @@ static void an_impossible_size_is_no_memory(void **state)
     gd__arrays_free(&arrays);
 }
 
+static void arrays_grow_within_the_budget(void **state)
+{
+    (void)state;
+    struct gd_control control = {.budget_bytes = 10000};
+    struct gd__arrays arrays = {.budget.control = &control};
+    uint32_t *grown = NULL, count = 0, capacity = 0;
+    int *before = gd__arrays_zeroed(&arrays, 4, sizeof *before);
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; !status; i++) {
+        status = gd__arrays_append(&arrays, &grown, &count, &capacity, &i, sizeof i);
+        if (i == 70) before = gd__arrays_take(&arrays, 4, sizeof *before);
+    }
+    assert_int_equal(status, GD_BUDGET);
+    assert_int_equal(arrays.status, GD_OK);
+    assert_int_equal(count, 1024);
+    for (uint32_t i = 0; i < count; i++) assert_int_equal(grown[i], i);
+    assert_int_equal(arrays.budget.held, 1024 * 4 + 2 * 16);
+    gd__arrays_free(&arrays);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(arrays_are_separate),
         cmocka_unit_test(the_first_failure_stays),
+        cmocka_unit_test(arrays_grow_within_the_budget),
         cmocka_unit_test(an_impossible_size_is_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
