@@ -349,7 +349,7 @@ class Memory(Fields):
         self.assertEqual(self.get("tiny", field).status, 200)
 
     def test_a_field_that_exceeds_the_budget(self):
-        self.assertEqual(self.daemon.put("large", sample("terrain", cells=120, amplitude=1)).status, 201)
+        self.assertEqual(self.daemon.put("large", sample("terrain", cells=135, amplitude=1)).status, 201)
         problem = self.assert_problem(self.daemon.ask("large", "fields", vertices(9)), 507, "insufficient_memory")
         self.assertEqual(problem["limit"], 24 << 20)
         self.assertRegex(problem["detail"], r"^the field needs more than the available \d+ of the \d+ bytes")
