@@ -7,8 +7,7 @@
  * - When every deferred exchange has finished, HTTP stops.
  * - The use counts of surfaces and the cached fields are stored, within ten seconds.
  * - The server's objects are destroyed. */
-#ifndef SERVER_SERVER_H
-#define SERVER_SERVER_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -74,5 +73,3 @@ void server_router_dispatch(struct server_exchange *exchange);
 /* Appends the metrics of a tenant, its keys and its jobs as text for Prometheus. If `tenant` is
  * NULL, appends those of the whole daemon. `user` is the struct server. Thread-safe. */
 void server_gauges_write(void *user, const char *tenant, struct proto_writer *writer);
-
-#endif

@@ -5,8 +5,7 @@
  * straight lines from ring to ring (kernel/ring.h), and |d(l, v) - d(l, t)| for each landmark l.
  * Upper bounds: A* finds shortest paths to the target in the graph of edges and of straight
  * segments across one edge. All bounds are rounded to the safe side. One guide, one thread. */
-#ifndef GD_GUIDE_GUIDE_H
-#define GD_GUIDE_GUIDE_H
+#pragma once
 
 #include "window/predecessor.h"
 #include "kernel/ring.h"
@@ -132,5 +131,3 @@ void gd__rings_clean(struct gd__rings *rings);
 size_t gd__rings_held(const struct gd__rings *rings);
 
 void gd__rings_destroy(struct gd__rings *rings);
-
-#endif

@@ -4,8 +4,7 @@
  * Invariant: the XML is not trusted. A document type declaration (DTD) is rejected, so a file
  * cannot define entities. A path can only name a part of the package. An object refers only to
  * objects that are defined before it. */
-#ifndef GD_IO_3MF_H
-#define GD_IO_3MF_H
+#pragma once
 
 #include "io/builder.h"
 #include "io/place.h"
@@ -89,5 +88,3 @@ GD_MUST_USE enum gd_status gd__3mf_find_model(struct gd__3mf *package, char *out
  * Errors: GD_SYNTAX, GD_INDEX, GD_NON_FINITE, GD_UNSUPPORTED, GD_TOO_LARGE, GD_NO_MEMORY,
  * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__3mf_read_model(struct gd__3mf *package, uint32_t part);
-
-#endif

@@ -1,6 +1,5 @@
 /* Base64 (RFC 4648): bytes as text, as in data: URIs. */
-#ifndef GD_IO_BASE64_H
-#define GD_IO_BASE64_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -24,5 +23,3 @@ bool gd__base64_read(const char *text, size_t length, char *out, size_t *size);
 
 /* Encodes the bytes. Writes gd__base64_characters(size) characters to `out`. */
 void gd__base64_write(const char *bytes, size_t size, char *out);
-
-#endif

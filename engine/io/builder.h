@@ -1,8 +1,7 @@
 /* Builder: collects the polygons of a file while it is being read. Arrays grow by half, within the
  * limits. Readers add only elements that they have read, and reserve only elements for which the
  * input is long enough. So the arrays' size is at most a small multiple of the input's size. */
-#ifndef GD_IO_BUILDER_H
-#define GD_IO_BUILDER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -99,5 +98,3 @@ enum gd_status gd__builder_no_such_vertex(const struct gd__builder *builder, lon
 /* Moves the arrays, shrunk to their length, to `out` and empties the builder. Errors: GD_EMPTY,
  * GD_INDEX, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_finish(struct gd__builder *builder, struct gd_polygons *out);
-
-#endif

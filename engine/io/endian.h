@@ -1,6 +1,5 @@
 /* Endian: reads numbers of either byte order at any address, and writes little-endian ones. */
-#ifndef GD_IO_ENDIAN_H
-#define GD_IO_ENDIAN_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -43,5 +42,3 @@ static inline void gd__store_little_endian(char *at, uint64_t value, int size)
         /* `i < 8` avoids a warning where the compiler does not know `size` */
         at[i] = (char)(value >> 8 * i);
 }
-
-#endif

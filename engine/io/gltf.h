@@ -5,8 +5,7 @@
  * Invariant: the document is not trusted. Every number is read by the functions below, which check
  * its type and its range. An error text names the byte of the document at which the error was
  * found. */
-#ifndef GD_IO_GLTF_H
-#define GD_IO_GLTF_H
+#pragma once
 
 #include "io/builder.h"
 #include "io/json_tree.h"
@@ -168,5 +167,3 @@ struct gd__gltf_making {
 /* Visitor: adds the triangles of a mesh, transformed by `place`, to the builder of a struct
  * gd__gltf_making. Errors: those of gd_read_polygons. */
 GD_MUST_USE gd__gltf_visit gd__gltf_make_mesh;
-
-#endif

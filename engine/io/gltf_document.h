@@ -3,8 +3,7 @@
  *
  * struct gd__gltf_writing has a buffer for each list of the document and one for the binary data.
  * The three files append to these buffers, and gltf_write.c joins them to a file. */
-#ifndef GD_IO_GLTF_DOCUMENT_H
-#define GD_IO_GLTF_DOCUMENT_H
+#pragma once
 
 #include "gd/result_file.h"
 #include "io/output.h"
@@ -65,5 +64,3 @@ void gd__gltf_layers(struct gd__gltf_writing *writing);
 
 /* gltf_layers.c: returns the number of a layer's points. */
 size_t gd__gltf_layer_points(const struct gd_result_layer *layer);
-
-#endif

@@ -1,7 +1,6 @@
 /* JSON text (RFC 8259): parses tokens, for readers that expect a fixed structure, and for
  * json_tree.h. Errors are those of gd__scan_unexpected. */
-#ifndef GD_IO_JSON_TEXT_H
-#define GD_IO_JSON_TEXT_H
+#pragma once
 
 #include "io/scan.h"
 
@@ -22,5 +21,3 @@ GD_MUST_USE enum gd_status gd__json_string_run(struct gd__scan *scan, const char
  * names the expected string in an error ("a key"). */
 GD_MUST_USE enum gd_status gd__json_string(struct gd__scan *scan, const char *what,
                                            struct gd__word *out);
-
-#endif

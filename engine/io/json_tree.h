@@ -3,8 +3,7 @@
  * Values are numbered in the order of the text. A member consists of two values: its key and its
  * value. Each value takes 8 bytes of the tree and at least two bytes of the text, so the tree is at
  * most four times as large as the text. Strings remain unescaped. */
-#ifndef GD_IO_JSON_TREE_H
-#define GD_IO_JSON_TREE_H
+#pragma once
 
 #include "gd/control.h"
 #include "io/scan.h"
@@ -57,5 +56,3 @@ bool gd__json_says(const struct gd__json *json, uint32_t value, const char *text
 
 /* Reads the value as a number. Returns false if it is not a number. */
 bool gd__json_real(const struct gd__json *json, uint32_t value, double *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* Output: a buffer to which bytes are written. It grows by half its size. After a failure (out of
  * memory, or stopped by the control) the buffer is empty, and further writes are ignored.
  * gd__output_finish reports the failure. */
-#ifndef GD_IO_OUTPUT_H
-#define GD_IO_OUTPUT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -36,5 +35,3 @@ void gd__output_double(struct gd__output *output, double value);
 void gd__output_little_endian(struct gd__output *output, uint64_t bits, int size);
 void gd__output_f32(struct gd__output *output, float value);
 void gd__output_f64(struct gd__output *output, double value);
-
-#endif

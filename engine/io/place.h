@@ -1,7 +1,6 @@
 /* Place: the transform of a mesh into the space of its scene. The columns of the 3x4 matrix are the
  * images of x, y, z, and of the origin. */
-#ifndef GD_IO_PLACE_H
-#define GD_IO_PLACE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -42,5 +41,3 @@ static inline bool gd__place_mirrors(const struct gd__place *place)
                x[2] * (y[0] * z[1] - y[1] * z[0]) <
            0;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* PLY header: the elements of a file, in the order in which they appear in the body. */
-#ifndef GD_IO_PLY_H
-#define GD_IO_PLY_H
+#pragma once
 
 #include "io/builder.h"
 
@@ -58,5 +57,3 @@ struct gd__ply_header {
  * long enough for the counts of the header. Errors: GD_SYNTAX, GD_UNSUPPORTED, GD_TRUNCATED. */
 GD_MUST_USE enum gd_status gd__ply_read_header(struct gd__scan *scan, struct gd__builder *builder,
                                                struct gd__ply_header *header);
-
-#endif

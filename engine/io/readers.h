@@ -1,7 +1,6 @@
 /* Readers: for each format, a function that recognises it and one that reads it. One source file
  * per format. */
-#ifndef GD_IO_READERS_H
-#define GD_IO_READERS_H
+#pragma once
 
 #include "io/builder.h"
 #include "io/scan.h"
@@ -28,5 +27,3 @@ GD_FORMAT_MAP(GD__READER)
 size_t gd__3mf_cost(const void *bytes, size_t size, const struct gd_read_options *options);
 size_t gd__gltf_cost(const void *bytes, size_t size, bool is_glb,
                      const struct gd_read_options *limits);
-
-#endif

@@ -3,8 +3,7 @@
  * Invariant: begin <= at <= end; nothing outside is read. Lines end with LF, CR LF or CR. Line
  * numbers are counted only when an error needs one. Blanks separate words within a line. Space
  * consists of blanks, line ends and, in formats that have them, comments. */
-#ifndef GD_IO_SCAN_H
-#define GD_IO_SCAN_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -138,5 +137,3 @@ GD_MUST_USE enum gd_status gd__scan_xyz(struct gd__scan *scan, double xyz[3]);
 /* Skips blanks and parses a whole number without point and exponent, saturated at +-INT64_MAX.
  * Errors: GD_SYNTAX, GD_TRUNCATED. */
 GD_MUST_USE enum gd_status gd__scan_integer(struct gd__scan *scan, int64_t *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* UTF-16: converts UTF-16 text, which some Windows editors save, to UTF-8. */
-#ifndef GD_IO_UTF16_H
-#define GD_IO_UTF16_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -17,5 +16,3 @@ bool gd__is_utf16(const void *bytes, size_t size);
 GD_MUST_USE enum gd_status gd__utf16_decode(const void *bytes, size_t size,
                                             const struct gd_control *control, char **out,
                                             size_t *out_size);
-
-#endif

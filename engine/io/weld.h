@@ -1,7 +1,6 @@
 /* Weld: merges equal positions into one vertex, in order of first appearance. Equal means ==, so -0
  * equals 0. */
-#ifndef GD_IO_WELD_H
-#define GD_IO_WELD_H
+#pragma once
 
 #include "io/builder.h"
 
@@ -20,5 +19,3 @@ void gd__weld_free(struct gd__weld *weld);
  * Errors: those of gd__builder_add_position. */
 GD_MUST_USE enum gd_status gd__weld_vertex(struct gd__weld *weld, const double xyz[3],
                                            const char *at, uint32_t *vertex);
-
-#endif

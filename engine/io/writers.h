@@ -1,6 +1,5 @@
 /* Writers: functions that write both meshes and results. */
-#ifndef GD_IO_WRITERS_H
-#define GD_IO_WRITERS_H
+#pragma once
 
 #include "gd/polygons.h"
 #include "gd/result_file.h"
@@ -28,5 +27,3 @@ GD_MUST_USE enum gd_status gd__gltf_write(struct gd__output *output,
  * output. */
 GD_MUST_USE enum gd_status gd__output_finish(struct gd__output *output, enum gd_status status,
                                              char **out, size_t *size);
-
-#endif

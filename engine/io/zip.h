@@ -1,7 +1,6 @@
 /* Zip: reads the files of an archive in memory one after the other. Uses minizip; opens no file of
  * the system. */
-#ifndef GD_IO_ZIP_H
-#define GD_IO_ZIP_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -27,5 +26,3 @@ bool gd__zip_read(struct gd__zip *zip, void *out, size_t room, size_t *read);
 /* Closes the file that gd__zip_begin opened. Returns false if the whole file was read and its
  * checksum is wrong. */
 bool gd__zip_end(struct gd__zip *zip);
-
-#endif

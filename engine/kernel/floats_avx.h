@@ -1,7 +1,6 @@
 /* Floats in AVX, eight at a time, for the AVX2 and AVX-512 kernels (lanes_avx2.h,
  * lanes_avx512.h). */
-#ifndef GD_KERNEL_FLOATS_H
-#define GD_KERNEL_FLOATS_H
+#pragma once
 
 #include <immintrin.h>
 
@@ -35,5 +34,3 @@ static inline float floats_least(floats a)
     half = _mm_min_ps(half, _mm_movehl_ps(half, half));
     return _mm_cvtss_f32(_mm_min_ss(half, _mm_movehdup_ps(half)));
 }
-
-#endif

@@ -4,8 +4,7 @@
  * windows (window/window.h). All variants return the same results to the last bit, because each
  * lane does the same operations in the same order, without fused multiply-add. So a distance does
  * not depend on the machine. Stateless; any thread. */
-#ifndef GD_KERNEL_KERNEL_H
-#define GD_KERNEL_KERNEL_H
+#pragma once
 
 #include "mesh/topology.h"
 #include "window/children.h"
@@ -74,5 +73,3 @@ extern const struct gd__kernel gd__kernel_avx2, gd__kernel_avx2_linear, gd__kern
 /* Returns the kernel in use for windows of point sources: the kernel that gd_cpu_select selected,
  * or otherwise the kernel with the most lanes that this machine supports. */
 const struct gd__kernel *gd__kernel_in_use(void);
-
-#endif

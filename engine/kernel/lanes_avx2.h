@@ -1,7 +1,6 @@
 /* Lanes of AVX2: four at a time. kernel_lanes.h describes the operations. The
  * implementations for AVX-512, for AVX2 and in plain C must return the same bits. */
-#ifndef GD_KERNEL_LANES_H
-#define GD_KERNEL_LANES_H
+#pragma once
 
 #include <immintrin.h>
 #include <stdbool.h>
@@ -253,5 +252,3 @@ static inline void store_rest(const struct gd__wedges *to, uint32_t at, const st
     else
         _mm_storel_epi64((void *)((uint16_t *)to->low + at), _mm_packus_epi32(above, above));
 }
-
-#endif

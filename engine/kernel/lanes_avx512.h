@@ -1,7 +1,6 @@
 /* Lanes of AVX-512 (F, VL, DQ): eight at a time. kernel_lanes.h describes the operations. The three
  * sets of lanes must return the same bits. */
-#ifndef GD_KERNEL_LANES_H
-#define GD_KERNEL_LANES_H
+#pragma once
 
 #include <immintrin.h>
 #include <stdbool.h>
@@ -211,5 +210,3 @@ static inline void store_rest(const struct gd__wedges *to, uint32_t at, const st
     else
         _mm_storeu_si128((void *)((uint16_t *)to->low + at), _mm256_cvtepi32_epi16(above));
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Lanes in plain C: one at a time. kernel_lanes.h describes the operations. The three sets of lanes
  * must return the same bits. */
-#ifndef GD_KERNEL_LANES_H
-#define GD_KERNEL_LANES_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -241,5 +240,3 @@ static inline float floats_least(floats a)
 {
     return a;
 }
-
-#endif

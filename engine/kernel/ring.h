@@ -10,8 +10,7 @@
  * The points of a ring are its vertices and the middles of its edges. Between two points of an
  * edge, the bound is interpolated linearly, and the greatest error of this interpolation is
  * subtracted (ring_sag in kernel/kernel_ring.h). */
-#ifndef GD_KERNEL_RING_H
-#define GD_KERNEL_RING_H
+#pragma once
 
 #include "mesh/anchor.h"
 
@@ -48,5 +47,3 @@ struct gd__rings {
     double bound; /* bound of the search */
     float slack;  /* rounding error of a step from ring to ring */
 };
-
-#endif

@@ -1,6 +1,5 @@
 /* Anchor: the vertices around a point, with their straight distances from it. */
-#ifndef GD_MESH_ANCHOR_H
-#define GD_MESH_ANCHOR_H
+#pragma once
 
 #include "mesh/topology.h"
 
@@ -12,5 +11,3 @@ struct gd__anchor {
     struct gd_vec3 position; /* normalised unit */
 };
 struct gd__anchor gd__anchor(const struct gd_mesh *mesh, const struct gd_point *point);
-
-#endif

@@ -1,6 +1,5 @@
 /* Axes: the frame of a side (topology.h) in space. */
-#ifndef GD_MESH_AXES_H
-#define GD_MESH_AXES_H
+#pragma once
 
 #include "mesh/topology.h"
 
@@ -18,5 +17,3 @@ static inline struct gd__axes gd__axes_of_side(const struct gd_mesh *mesh, uint3
     struct gd_vec3 across = gd_vec3_along(apex, -gd_vec3_dot(apex, along), along);
     return (struct gd__axes){origin, along, gd_vec3_scale(across, 1 / gd_vec3_length(across))};
 }
-
-#endif

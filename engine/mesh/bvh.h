@@ -2,8 +2,7 @@
  * order in which neighbours in space get close numbers), so the tree needs no pointers. Level 0 has
  * a box for every GD_BVH_LEAF consecutive faces. Each further level has a box for every
  * GD_BVH_WIDTH boxes of the level below. The last level has a single box. */
-#ifndef GD_MESH_BVH_H
-#define GD_MESH_BVH_H
+#pragma once
 
 #include "mesh/topology.h"
 
@@ -46,5 +45,3 @@ enum gd_status gd__make_bvh(struct gd__construction *work);
 
 /* Frees the boxes; NULL is allowed. */
 void gd__bvh_free(struct gd_bvh *bvh);
-
-#endif

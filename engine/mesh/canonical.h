@@ -1,7 +1,6 @@
 /* Canonical points. A point that differs from a vertex or an edge only by rounding becomes a point
  * of that vertex or edge. */
-#ifndef GD_MESH_CANONICAL_H
-#define GD_MESH_CANONICAL_H
+#pragma once
 
 #include "mesh/topology.h"
 
@@ -34,5 +33,3 @@ struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face,
  * `border` of that end. */
 struct gd_point gd__point_settled(const struct gd_mesh *mesh, const struct gd_point *point,
                                   double border);
-
-#endif

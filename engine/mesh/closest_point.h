@@ -1,7 +1,6 @@
 /* Closest point: the point of one face that is nearest to a point in space, as a canonical point of
  * the mesh. */
-#ifndef GD_MESH_CLOSEST_POINT_H
-#define GD_MESH_CLOSEST_POINT_H
+#pragma once
 
 #include "mesh/topology.h"
 
@@ -19,5 +18,3 @@ static inline double gd__largest_coordinate(struct gd_vec3 p)
 {
     return fmax(fmax(fabs(p.x), fabs(p.y)), fabs(p.z));
 }
-
-#endif

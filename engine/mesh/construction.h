@@ -7,8 +7,7 @@
  * stopped a step, build.c returns the status of the pace, whatever the step returns. In gd__order
  * and all later steps, vertices and faces have internal numbers (topology.h). Error texts name the
  * caller's numbers. */
-#ifndef GD_MESH_CONSTRUCTION_H
-#define GD_MESH_CONSTRUCTION_H
+#pragma once
 
 #include "base/pace.h"
 #include "base/tolerance.h"
@@ -114,5 +113,3 @@ static inline uint32_t gd__previous_corner(uint32_t k)
 {
     return k == 0 ? 2 : k - 1;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Edge table: the sides of all faces, grouped by edge. */
-#ifndef GD_MESH_EDGE_TABLE_H
-#define GD_MESH_EDGE_TABLE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -56,5 +55,3 @@ static inline bool gd__edge_table_next(const struct gd__edge_table *table, struc
     *run = (struct gd__edge_run){low, high, begin, end - begin};
     return true;
 }
-
-#endif

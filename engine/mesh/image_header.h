@@ -1,7 +1,6 @@
 /* Image header: the first bytes of every binary image of data that belongs to a mesh (for example
  * of a field). They identify the kind of data, its layout and the mesh. */
-#ifndef GD_MESH_IMAGE_HEADER_H
-#define GD_MESH_IMAGE_HEADER_H
+#pragma once
 
 #include "mesh/topology.h"
 
@@ -24,5 +23,3 @@ GD_MUST_USE enum gd_status gd__image_header_check(const struct gd_mesh *mesh,
                                                   const struct gd__image_header *image_header,
                                                   const char magic[8], uint32_t version,
                                                   struct gd_detail *detail);
-
-#endif

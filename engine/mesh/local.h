@@ -1,7 +1,6 @@
 /* Local coordinates: points in the plane of a face, in the frame of one of its sides (topology.h).
  * Normalised unit. */
-#ifndef GD_MESH_LOCAL_H
-#define GD_MESH_LOCAL_H
+#pragma once
 
 #include <math.h>
 
@@ -110,5 +109,3 @@ static inline double gd__local_length(struct gd__local way)
 {
     return sqrt(way.x * way.x + way.y * way.y);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Orientation: determines the faces to flip so that neighbours traverse their common edge in
  * opposite directions. */
-#ifndef GD_MESH_ORIENTATION_H
-#define GD_MESH_ORIENTATION_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -32,5 +31,3 @@ struct gd__orientation {
  * are flipped. If exactly half of them are, the first face is not flipped. Errors: GD_NO_MEMORY,
  * and those of the pace. Linear time. */
 enum gd_status gd__orient_faces(struct gd__orientation *orientation);
-
-#endif

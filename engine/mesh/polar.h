@@ -4,8 +4,7 @@
  * They are precise for a point close to the vertex. The radius is computed from the small
  * barycentric coordinates, and the angle is as precise as the angles of the fan. A radius and an
  * angle computed from the difference of two positions would be less precise. Normalised unit. */
-#ifndef GD_MESH_POLAR_H
-#define GD_MESH_POLAR_H
+#pragma once
 
 #include "mesh/local.h"
 
@@ -52,5 +51,3 @@ static inline double gd__fan_end(const struct gd_mesh *mesh, uint32_t vertex, ui
     return entry + 1 < mesh->fan_first[vertex + 1] ? mesh->fan[entry + 1].angle
                                                    : mesh->total_angle[vertex];
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Segment: a straight line between two different points of one face. */
-#ifndef GD_MESH_SEGMENT_H
-#define GD_MESH_SEGMENT_H
+#pragma once
 
 #include "mesh/local.h"
 
@@ -84,5 +83,3 @@ static inline double gd__chord_height(const struct gd__chord *chord, struct gd__
 {
     return chord->along.x * (at.y - chord->from.y) - chord->along.y * (at.x - chord->from.x);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Tangent angle: the angle on the surface between two directions at a point. */
-#ifndef GD_MESH_TANGENT_ANGLE_H
-#define GD_MESH_TANGENT_ANGLE_H
+#pragma once
 
 #include "mesh/local.h"
 
@@ -11,5 +10,3 @@
  * as the total angle. Returns NaN if there is no common face. O(1); O(faces) at a vertex. */
 double gd__tangent_angle(const struct gd_mesh *mesh, const struct gd_point *at,
                          const struct gd_point *a, const struct gd_point *b);
-
-#endif

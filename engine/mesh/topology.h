@@ -12,8 +12,7 @@
  *
  * Internal lengths are in the normalised unit: scaled by the exact power of two 1/unit, so that
  * squares neither overflow nor underflow. External length = unit x internal length. */
-#ifndef GD_MESH_TOPOLOGY_H
-#define GD_MESH_TOPOLOGY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -185,5 +184,3 @@ uint32_t gd__fan_entry(const struct gd_mesh *mesh, uint32_t side);
 
 /* Returns the side that runs from vertex a to vertex b, or GD_NONE. Walks the fan of a. */
 uint32_t gd__side_between(const struct gd_mesh *mesh, uint32_t a, uint32_t b);
-
-#endif

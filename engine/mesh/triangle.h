@@ -1,8 +1,7 @@
 /* Triangle: lengths, area and shape of one face. Scaling by a power of two does not change relative
  * rounding errors. So the computed shape is the same, to the last bit, before and after the mesh is
  * scaled to the normalised unit. */
-#ifndef GD_MESH_TRIANGLE_H
-#define GD_MESH_TRIANGLE_H
+#pragma once
 
 #include <stdint.h>
 
@@ -35,5 +34,3 @@ static inline double gd__triangle_flatness(const struct gd__triangle *t)
 {
     return t->double_area / (t->length[t->longest] * t->length[t->longest]);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Union-find over indices. The lowest member of a set represents it. */
-#ifndef GD_MESH_UNION_FIND_H
-#define GD_MESH_UNION_FIND_H
+#pragma once
 
 #include <stdint.h>
 
@@ -29,5 +28,3 @@ static inline void gd__union_find_init(uint32_t *parent, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) parent[i] = i;
 }
-
-#endif

@@ -3,8 +3,7 @@
  * face, and full records exist only near the front. In a new record of a vertex where paths may
  * bend, `emitted` is the vertex' present distance, as if the vertex had emitted with this distance.
  * If the distance is GD__FAR, the vertex has not emitted yet. */
-#ifndef GD_WAVEFRONT_PAGED_H
-#define GD_WAVEFRONT_PAGED_H
+#pragma once
 
 #include "mesh/topology.h"
 #include "window/predecessor.h"
@@ -62,5 +61,3 @@ GD_MUST_USE enum gd_status gd__paged_need_side(struct gd__paged *paged, uint32_t
 GD_MUST_USE enum gd_status gd__paged_need_vertex(struct gd__paged *paged,
                                                  const struct gd_mesh *mesh, uint32_t vertex,
                                                  uint32_t now);
-
-#endif

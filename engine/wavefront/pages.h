@@ -6,8 +6,7 @@
  * initial values. Two kinds of pages are never reused: pages with stored wedges, and pages that
  * were created repeatedly. The latter are kept because their lists must count visits for
  * gd__prune_by_stored. One owner, one thread. */
-#ifndef GD_WAVEFRONT_PAGES_H
-#define GD_WAVEFRONT_PAGES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -58,5 +57,3 @@ GD_MUST_USE enum gd_status gd__pages_make(struct gd__pages *pages, uint32_t numb
 
 /* Notes that no record of the page waits at bucket `now`. The page may be reused later. */
 void gd__pages_rest(struct gd__pages *pages, struct gd__page *page, uint32_t now);
-
-#endif

@@ -2,8 +2,7 @@
  * nearest point of the curve only for the points behind it. A point is behind a joint if its
  * direction from the joint makes an angle of 90 degrees or more with each of the joint's segments.
  * For a point in another direction, a point of a segment is nearer (first variation of length). */
-#ifndef GD_WAVEFRONT_POLYLINE_VERTEX_H
-#define GD_WAVEFRONT_POLYLINE_VERTEX_H
+#pragma once
 
 #include "mesh/segment.h"
 #include "wavefront/wavefront.h"
@@ -162,5 +161,3 @@ struct gd__part {
  * are the side's ends, relative to the joint. */
 struct gd__part gd__part_behind(const struct gd__segment_directions *directions,
                                 struct gd__local origin, struct gd__local destination);
-
-#endif

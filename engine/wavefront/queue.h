@@ -6,8 +6,7 @@
  * exactness, because sides and vertices are processed again when shorter paths reach them. First
  * in, first out keeps the work polynomial if a whole component is in one bucket. One owner, one
  * thread. */
-#ifndef GD_WAVEFRONT_QUEUE_H
-#define GD_WAVEFRONT_QUEUE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -97,5 +96,3 @@ static inline uint32_t gd__queue_peek(const struct gd__queue *queue, uint32_t pl
     b = &queue->bucket[(queue->current + 1) & (GD__QUEUE_BUCKETS - 1)];
     return b->head + at < b->count ? b->nodes[b->head + at] : GD_NONE;
 }
-
-#endif

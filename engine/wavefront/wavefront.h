@@ -14,8 +14,7 @@
  *   shorter, or where no path below the bound can use it.
  * - At the end, distances and windows below the bound are final (Property 5 of the paper).
  * - Lengths are in the mesh's normalised unit. One owner, one thread. */
-#ifndef GD_WAVEFRONT_WAVEFRONT_H
-#define GD_WAVEFRONT_WAVEFRONT_H
+#pragma once
 
 #include "mesh/polar.h"
 #include "kernel/kernel.h"
@@ -290,5 +289,3 @@ enum gd__prune_by { GD__PRUNE_BY_OWN = 1, GD__PRUNE_BY_OTHER = 2 };
 GD_MUST_USE enum gd_status gd__prune_by_stored(struct gd__wavefront *front, uint32_t side,
                                                enum gd__prune_by by, struct gd__windows *windows,
                                                uint32_t *count);
-
-#endif

@@ -1,8 +1,7 @@
 /* Workspace: arrays that are clean (have their initial values) between propagations. After a
  * propagation, only the records that it touched are cleaned. So this cost does not depend on the
  * size of the mesh. */
-#ifndef GD_WAVEFRONT_WORKSPACE_H
-#define GD_WAVEFRONT_WORKSPACE_H
+#pragma once
 
 #include "base/region.h"
 #include "gd/workspace.h"
@@ -90,5 +89,3 @@ static inline void gd__workspace_touch(struct gd_workspace *workspace, uint32_t 
         workspace->touched[workspace->touched_count] = node;
     workspace->touched_count += first_time;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Children: windows that were cast to a side and are not yet in the side's list. A block is memory
  * from a pool. It holds the windows of children or of a list. */
-#ifndef GD_WINDOW_CHILDREN_H
-#define GD_WINDOW_CHILDREN_H
+#pragma once
 
 #include "base/pool.h"
 #include "window/stack.h"
@@ -71,5 +70,3 @@ static inline void gd__children_close(struct gd__children *children, struct gd__
  * one. Errors: GD_NO_MEMORY, GD_BUDGET. O(n), except for rare windows that belong far back. */
 GD_MUST_USE enum gd_status gd__children_sort(struct gd__children *children, struct gd__pool *pool,
                                              double min_width, struct gd__scratch *scratch);
-
-#endif

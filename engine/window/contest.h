@@ -1,7 +1,6 @@
 /* Contest: computes which of two windows gives the shorter distance where they overlap (rules C1
  * and C2 of the paper, equation (1)). */
-#ifndef GD_WINDOW_CONTEST_H
-#define GD_WINDOW_CONTEST_H
+#pragma once
 
 #include "window/window.h"
 
@@ -18,5 +17,3 @@ struct gd__contest_result {
  * infinitely many solutions, the owner wins the whole overlap. */
 struct gd__contest_result gd__contest(const struct gd__window *challenger,
                                       const struct gd__window *owner, double lo, double hi);
-
-#endif

@@ -1,6 +1,5 @@
 /* List: the sorted, disjoint windows that wait on one side of an edge. */
-#ifndef GD_WINDOW_LIST_H
-#define GD_WINDOW_LIST_H
+#pragma once
 
 #include "window/children.h"
 
@@ -68,5 +67,3 @@ gd__list_begin(struct gd__list *list, struct gd__pool *pool, const struct gd__wi
     list->count = 1;
     return GD_OK;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Predecessor: the last leg of the shortest path to a vertex. */
-#ifndef GD_WINDOW_PREDECESSOR_H
-#define GD_WINDOW_PREDECESSOR_H
+#pragma once
 
 #include <stdint.h>
 
@@ -19,5 +18,3 @@ struct gd__predecessor {
        the wedges of the edge determine the rest of the path. */
     uint32_t source;
 };
-
-#endif

@@ -1,8 +1,7 @@
 /* Stack: a sorted list of windows under construction, as an array of structs. Its memory is reused.
  * The lists of a propagation are structures of arrays instead (window/windows.h). If windows must
  * be merged or sorted one by one, they are copied to a stack and back. */
-#ifndef GD_WINDOW_STACK_H
-#define GD_WINDOW_STACK_H
+#pragma once
 
 #include "window/windows.h"
 
@@ -54,5 +53,3 @@ void gd__merge(const struct gd__window *existing, uint32_t existing_count,
  * window belongs farther back. Errors: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__stack_push(struct gd__stack *list, const struct gd__window *window,
                                           double min_width, struct gd__stack *scratch);
-
-#endif

@@ -12,8 +12,7 @@
  * A wedge takes 19, 20 or 24 bytes, depending on the form of its chunk. In the packed forms, x and
  * y are whole numbers of 50 bits, in units that the chunk's exponent defines. Their error is at
  * most 2^(exponent - 50) (doc 030). */
-#ifndef GD_WINDOW_WEDGES_H
-#define GD_WINDOW_WEDGES_H
+#pragma once
 
 #include <string.h>
 
@@ -264,5 +263,3 @@ static inline size_t gd__chunk_bound(uint32_t count)
  * function is the general form of gd__kernel.store. */
 void gd__chunk_write(const struct gd__windows *windows, uint32_t count, double length,
                      bool mirrored, struct gd__chunk *out);
-
-#endif

@@ -11,8 +11,7 @@
  * frame's origin, and each frame has its own sigma. Sigma may be negative, because the origin may
  * lie outside the window. In homogeneous coordinates the source of a window is (x, -y, 1), and the
  * source of a linear window is (x, -y, 0). */
-#ifndef GD_WINDOW_WINDOW_H
-#define GD_WINDOW_WINDOW_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -133,5 +132,3 @@ static inline struct gd__window gd__window_mirrored(const struct gd__window *w, 
     if (gd__window_is_linear(w)) m.sigma = w->sigma - w->x * length;
     return m;
 }
-
-#endif

@@ -2,8 +2,7 @@
  * time. Arrays have room for whole groups of GD__WINDOWS_GROUP windows, because kernels read and
  * write whole groups. A kernel may overwrite up to one group behind the last window, and read up to
  * one group before the first window. The contents of these groups are undefined. */
-#ifndef GD_WINDOW_WINDOWS_H
-#define GD_WINDOW_WINDOWS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -96,5 +95,3 @@ struct gd__window_builder {
 GD_MUST_USE enum gd_status gd__window_builder_reserve(struct gd__window_builder *builder,
                                                       uint32_t count);
 void gd__window_builder_destroy(struct gd__window_builder *builder);
-
-#endif

@@ -1,6 +1,5 @@
 /* Accept: the media types and codings that a client accepts (RFC 9110, 12.5.1 and 12.5.3). */
-#ifndef PROTO_ACCEPT_H
-#define PROTO_ACCEPT_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -12,5 +11,3 @@ unsigned proto_accept_quality(const char *accept, const char *media_type);
 /* Returns whether the header lists the coding ("gzip") with a quality above 0. The header may be
  * NULL. Ignores "*". O(length of the header). */
 bool proto_accept_lists_coding(const char *accept, const char *coding);
-
-#endif

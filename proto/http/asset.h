@@ -4,8 +4,7 @@
  * "/" and "/openapi.json" are operations with their own handlers, which serve the asset of that
  * path. The pages' other files have no operations. If the path of a GET has no route, the answer is
  * the asset of this path, or not_found if there is no such asset. */
-#ifndef PROTO_ASSET_H
-#define PROTO_ASSET_H
+#pragma once
 
 #include <stddef.h>
 
@@ -29,5 +28,3 @@ extern const size_t proto_asset_count;
 /* Returns the asset of exactly that path among `count` assets, or NULL. O(count). Thread-safe. */
 const struct proto_asset *proto_asset_find(const struct proto_asset *assets, size_t count,
                                            const char *path);
-
-#endif

@@ -1,6 +1,5 @@
 /* Job: the description of an operation whose answer is stored until the client fetches it. */
-#ifndef PROTO_JOB_H
-#define PROTO_JOB_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -71,5 +70,3 @@ void proto_job_encode_event(struct proto_writer *writer, const struct proto_job 
 
 /* The id of the event "done". A client that reconnects sends it back as Last-Event-ID. */
 #define PROTO_JOB_LAST_EVENT "done"
-
-#endif

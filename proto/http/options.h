@@ -1,7 +1,6 @@
 /* Options: the query string and the parameters that all queries share: select, geometry,
  * timeout_ms. */
-#ifndef PROTO_OPTIONS_H
-#define PROTO_OPTIONS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -102,5 +101,3 @@ bool proto_options_timeout(const struct proto_parameters *parameters, struct pro
 /* Fills in the problem that a geometry other than full is requested for an answer without lines.
  * Returns false. */
 bool proto_options_refuse_geometry(struct proto_problem *problem, const char *place);
-
-#endif

@@ -1,7 +1,6 @@
 /* Page: a part of a list, selected by `limit` and `after`. The answer's `next` is the `after` of
  * the next page. */
-#ifndef PROTO_PAGE_H
-#define PROTO_PAGE_H
+#pragma once
 
 #include "proto/http/options.h"
 #include "proto/json/writer.h"
@@ -40,5 +39,3 @@ const char *proto_page_write_number(int64_t number, char text[PROTO_PAGE_NUMBER]
  * ("meshes"). `next` is the cursor of the next page; NULL means that this page is the last. */
 void proto_page_begin(struct proto_writer *writer, const char *name);
 void proto_page_end(struct proto_writer *writer, const char *next);
-
-#endif

@@ -6,8 +6,7 @@
  * about meshes share the handler server_handle_query; their kind is server_query_<name>, which the
  * GET and POST forms of a query share. Rows with a literal segment precede rows that capture the
  * same segment. */
-#ifndef PROTO_ROUTE_H
-#define PROTO_ROUTE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -84,5 +83,3 @@ struct proto_route_match {
 bool proto_route_find(const struct proto_route *routes, size_t count, const char *method,
                       const char *path, struct proto_route_match *out,
                       struct proto_problem *problem);
-
-#endif

@@ -1,6 +1,5 @@
 /* Service: the daemon's description of itself: GET /v1, /livez, /readyz. */
-#ifndef PROTO_SERVICE_H
-#define PROTO_SERVICE_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -30,5 +29,3 @@ enum proto_health {
 
 /* Writes the state and, unless it is NULL, the reason. */
 void proto_health_encode(struct proto_writer *writer, enum proto_health health, const char *reason);
-
-#endif

@@ -3,8 +3,7 @@
  * Each accessor returns true, or false with an invalid_request problem that points at the fault.
  * `place` is the JSON Pointer of the object that contains `member`; its text is built only for a
  * problem. All functions are thread-safe. */
-#ifndef PROTO_DECODE_H
-#define PROTO_DECODE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -88,5 +87,3 @@ void proto_write_document(struct proto_writer *writer, const json_t *value);
 /* Reads an array of exactly `count` numbers. Returns false, without a problem, if it is not such an
  * array. */
 bool proto_read_numbers(const json_t *array, size_t count, double *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* Number: conversion between integers and text, and the JSON grammar of numbers. gd_number_format
  * writes doubles. */
-#ifndef PROTO_NUMBER_H
-#define PROTO_NUMBER_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -21,5 +20,3 @@ size_t proto_number_parse(const char *text, double *out);
  * number of digits. Returns 0, with `out` untouched, if there are none or the value exceeds 64
  * bits. Thread-safe. */
 size_t proto_integer_parse(const char *text, uint64_t *out);
-
-#endif

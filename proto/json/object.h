@@ -3,8 +3,7 @@
  *
  * Each function that reads a member returns true, or false with a problem at the member. If an
  * optional member is missing, `*out` keeps its value. */
-#ifndef PROTO_OBJECT_H
-#define PROTO_OBJECT_H
+#pragma once
 
 #include "proto/json/decode.h"
 
@@ -96,5 +95,3 @@ bool proto_take_index_list(const struct proto_object *object, const struct proto
  * `place`. */
 bool proto_rule_check(const struct proto_rule *rule, double value, const char *place,
                       struct proto_problem *problem);
-
-#endif

@@ -10,8 +10,7 @@
  * A place locates the fault in the request: a JSON Pointer ("" or "/from/vertex") into the body, or
  * the name of a query-string parameter ("from"). A pointer is empty or begins with a slash; a
  * parameter's name does neither. */
-#ifndef PROTO_PROBLEM_H
-#define PROTO_PROBLEM_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -132,5 +131,3 @@ void proto_problem_encode(struct proto_writer *writer, const struct proto_proble
  * more text than the maximum, which becomes the problem's limit. It is `cancelled` if the sink
  * stopped the writer. */
 bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem);
-
-#endif

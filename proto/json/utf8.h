@@ -1,6 +1,5 @@
 /* UTF-8: recognizes well-formed characters (RFC 3629). */
-#ifndef PROTO_UTF8_H
-#define PROTO_UTF8_H
+#pragma once
 
 #include <stddef.h>
 
@@ -8,5 +7,3 @@
  * bytes. Returns 0 for a stray or missing continuation byte, an overlong form, a surrogate, or a
  * value beyond U+10FFFF. */
 size_t proto_utf8_length(const char *text, size_t size);
-
-#endif

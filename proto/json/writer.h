@@ -19,8 +19,7 @@
  *
  * A writer with an account takes bytes from the account before its buffer grows, and returns them
  * when the text is freed. Buffers up to PROTO_WRITER_SMALL bytes are not counted. */
-#ifndef PROTO_WRITER_H
-#define PROTO_WRITER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -137,5 +136,3 @@ void proto_member_null(struct proto_writer *writer, const char *key);
 void proto_append(struct proto_writer *writer, const char *text, size_t size);
 void proto_append_format(struct proto_writer *writer, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-
-#endif

@@ -9,8 +9,7 @@
  * A line is the body of a query, with the query's name as "query", and optionally "select"
  * (formerly "fields") and "geometry". An answer's line has "status" and the members of the query's
  * answer or problem. */
-#ifndef PROTO_BATCH_H
-#define PROTO_BATCH_H
+#pragma once
 
 #include <jansson.h>
 
@@ -66,5 +65,3 @@ void proto_batch_end(struct proto_writer *writer, size_t begin);
  * text. */
 void proto_batch_refuse(struct proto_writer *writer, size_t begin,
                         const struct proto_batch_line *line, struct proto_problem *problem);
-
-#endif

@@ -1,7 +1,6 @@
 /* Queries about curves: operations (length, resample, shorten, closed-geodesic, offset), the
  * distance of two curves, and the cut of a mesh along a curve. */
-#ifndef PROTO_QUERIES_CURVES_H
-#define PROTO_QUERIES_CURVES_H
+#pragma once
 
 #include "gd/curve_distance.h"
 #include "gd/cut.h"
@@ -74,5 +73,3 @@ void proto_cut_end(struct proto_writer *writer, const struct gd_cut *cut, uint32
 /* Writes a piece. `name` is the name of its new mesh; NULL means that faces were only selected. */
 void proto_cut_piece_encode(struct proto_writer *writer, const struct gd_cut_piece *piece,
                             const char *name, uint32_t fields);
-
-#endif

@@ -1,7 +1,6 @@
 /* Derive: a new mesh, made from a mesh by edits. Decodes the request, writes its operations, and
  * writes the points of the original that correspond to the vertices. */
-#ifndef PROTO_DERIVE_H
-#define PROTO_DERIVE_H
+#pragma once
 
 #include "gd/edit.h"
 #include "gd/io.h"
@@ -42,5 +41,3 @@ bool proto_edits_parse(const struct proto_parameters *parameters, struct proto_e
 
 /* Writes the edits as a request's array of operations. */
 void proto_edits_encode(struct proto_writer *writer, const struct proto_edits *edits);
-
-#endif

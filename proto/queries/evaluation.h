@@ -1,6 +1,5 @@
 /* Evaluation: distances of points to a set. The answer is a list of results, one for each point. */
-#ifndef PROTO_EVALUATION_H
-#define PROTO_EVALUATION_H
+#pragma once
 
 #include "gd/direction.h"
 #include "gd/path.h"
@@ -36,5 +35,3 @@ void proto_reason_encode(struct proto_writer *writer, double distance);
 /* Writes "distance" if has_distance is not 0, and the reason if either flag is not 0. */
 void proto_distance_encode(struct proto_writer *writer, double distance, uint32_t has_distance,
                            uint32_t has_reason);
-
-#endif

@@ -1,6 +1,5 @@
 /* Field: the distances from a set as a resource: its description, values and wedges. */
-#ifndef PROTO_FIELD_H
-#define PROTO_FIELD_H
+#pragma once
 
 #include <jansson.h>
 
@@ -45,5 +44,3 @@ bool proto_wedges_parse(const struct proto_parameters *parameters, struct gd_ver
 
 void proto_wedges_encode(struct proto_writer *writer, const struct gd_vertex ends[2],
                          const struct gd_wedge *wedges, uint32_t count, uint32_t wanted);
-
-#endif

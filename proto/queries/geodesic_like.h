@@ -1,7 +1,6 @@
 /* Geodesic-like curves: shortest paths on a parametric surface between two points, a point and a
  * curve, or two curves. A path is one B-spline in the domain. */
-#ifndef PROTO_GEODESIC_LIKE_H
-#define PROTO_GEODESIC_LIKE_H
+#pragma once
 
 #include "gd/geodesic_like.h"
 #include "generated/requests.h"
@@ -59,5 +58,3 @@ GD_MUST_USE enum gd_status proto_geodesic_sample(const struct proto_geodesic_ans
 GD_MUST_USE enum gd_status proto_geodesic_encode(struct proto_writer *writer,
                                                  const struct proto_geodesic_answer *answer,
                                                  const struct proto_options *options);
-
-#endif

@@ -1,6 +1,5 @@
 /* Isolines: a field's lines at given levels, and the arcs of an answer. */
-#ifndef PROTO_ISOLINE_H
-#define PROTO_ISOLINE_H
+#pragma once
 
 #include <jansson.h>
 
@@ -45,5 +44,3 @@ double proto_isolines_tolerance(double tolerance, const struct gd_mesh *mesh);
  * [0, 2 pi). A straight arc is {"face", "straight": true}. */
 void proto_arc_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                       const struct gd_isoline_arc *arc);
-
-#endif

@@ -1,7 +1,6 @@
 /* Jet: requests and answers for the evaluation of points of a smooth surface, and for the surface
  * point nearest to a point in space. */
-#ifndef PROTO_JET_H
-#define PROTO_JET_H
+#pragma once
 
 #include "gd/limit.h"
 #include "generated/answers.h"
@@ -35,5 +34,3 @@ void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet,
                       const struct proto_options *options);
 void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_jet *jet,
                             const struct proto_options *options);
-
-#endif

@@ -1,6 +1,5 @@
 /* Limit paths: traces and shortest paths on a subdivision surface. */
-#ifndef PROTO_LIMIT_PATHS_H
-#define PROTO_LIMIT_PATHS_H
+#pragma once
 
 #include "gd/limit_mesh.h"
 #include "gd/limit_path.h"
@@ -62,5 +61,3 @@ bool proto_limit_pair_decode(const json_t *document, const struct gd_subdivision
 void proto_limit_pair_encode(struct proto_writer *writer, const struct proto_limit_pair *wanted,
                              const struct gd_vec3 ends[2], const struct gd_limit_shortest *found,
                              const struct proto_options *options);
-
-#endif

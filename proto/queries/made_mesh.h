@@ -1,7 +1,6 @@
 /* Made mesh: the requests that make a mesh from a smooth surface: a discretization of a subdivision
  * surface, or a tessellation of a parametric surface. */
-#ifndef PROTO_MADE_MESH_H
-#define PROTO_MADE_MESH_H
+#pragma once
 
 #include "gd/discretization.h"
 #include "gd/tessellation.h"
@@ -30,5 +29,3 @@ struct proto_tessellation {
  * invalid_request, too_large (with the limit). */
 bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
                                struct proto_tessellation *out, struct proto_problem *problem);
-
-#endif

@@ -1,8 +1,7 @@
 /* Many: a batch of POST /v1/batches. Any daemon of the store may process its items. Each item is a
  * separate query: for "all-pairs" the distances from one vertex to all, for "fields" the field on
  * one mesh. */
-#ifndef PROTO_MANY_H
-#define PROTO_MANY_H
+#pragma once
 
 #include "generated/answers.h"
 #include "proto/json/problem.h"
@@ -84,5 +83,3 @@ void proto_many_encode_answer(struct proto_writer *writer, const struct proto_ma
  * page, or -1 if there is none. */
 void proto_many_end_page(struct proto_writer *writer, const struct proto_many_state *state,
                          int64_t next);
-
-#endif

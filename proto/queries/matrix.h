@@ -1,6 +1,5 @@
 /* Matrix: the distances from each source to each target. */
-#ifndef PROTO_MATRIX_H
-#define PROTO_MATRIX_H
+#pragma once
 
 #include "generated/requests.h"
 #include "proto/http/options.h"
@@ -20,5 +19,3 @@ struct proto_matrix_answer {
 /* Writes the answer, with "reasons" only if a distance is null. */
 void proto_matrix_encode(struct proto_writer *writer, const struct proto_matrix_answer *answer,
                          const struct proto_options *options);
-
-#endif

@@ -1,7 +1,6 @@
 /* NURBS: a parametric surface as a resource. Reads the options and the file (schema NurbsFile) of
  * an upload, and writes the description. This header does not expose the JSON library. */
-#ifndef PROTO_NURBS_H
-#define PROTO_NURBS_H
+#pragma once
 
 #include "gd/nurbs.h"
 #include "generated/answers.h"
@@ -49,5 +48,3 @@ struct proto_nurbs_description {
     uint32_t trimming_loops; /* 0 means not trimmed */
     bool has_outer_loop;
 };
-
-#endif

@@ -3,8 +3,7 @@
  *
  * A request's points are its *stops*: from, the points of via in order, to. A leg lies between two
  * consecutive stops. */
-#ifndef PROTO_PAIR_H
-#define PROTO_PAIR_H
+#pragma once
 
 #include "gd/query.h"
 #include "proto/http/options.h"
@@ -23,5 +22,3 @@ bool proto_pair_parse(const struct proto_parameters *parameters, struct proto_po
  * The answer contains "via" only if the request does. */
 void proto_pair_encode(struct proto_writer *writer, const struct proto_located_points *stops,
                        const struct gd_pair_answer *answer, const struct proto_options *options);
-
-#endif

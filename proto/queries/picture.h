@@ -1,6 +1,5 @@
 /* Picture: the query string of a picture of a mesh, and the request of a figure. */
-#ifndef PROTO_PICTURE_H
-#define PROTO_PICTURE_H
+#pragma once
 
 #include "gd/picture.h"
 #include "generated/requests.h"
@@ -40,5 +39,3 @@ bool proto_picture_places_decode(const json_t *document, const struct gd_paramet
 bool proto_picture_limit_places_decode(const json_t *document, const struct gd_subdivision *surface,
                                        struct proto_limit_places *out,
                                        struct proto_problem *problem);
-
-#endif

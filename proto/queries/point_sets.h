@@ -1,6 +1,5 @@
 /* Point sets: the weighted mean of points of a surface, and points that cover a surface evenly. */
-#ifndef PROTO_POINT_SETS_H
-#define PROTO_POINT_SETS_H
+#pragma once
 
 #include "gd/mean.h"
 #include "generated/requests.h"
@@ -16,5 +15,3 @@ void proto_mean_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
 void proto_sampling_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                            const struct gd_point *points, const double *radii, uint32_t count,
                            double snap, const struct proto_options *options);
-
-#endif

@@ -1,8 +1,7 @@
 /* Subdivision: a subdivision surface as a resource. Reads the options and the file of an upload,
  * and writes the description. The file is a mesh file of polygons, OBJ with the tag lines of
  * OpenSubdiv, or SubdivisionJson (usd.h). This header does not expose the JSON library. */
-#ifndef PROTO_SUBDIVISION_H
-#define PROTO_SUBDIVISION_H
+#pragma once
 
 #include "gd/limit_mesh.h"
 #include "generated/answers.h"
@@ -42,5 +41,3 @@ struct proto_subdivision_description {
     const struct gd_subdivision *surface;
     struct gd_subdivision_summary summary; /* of the surface */
 };
-
-#endif

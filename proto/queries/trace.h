@@ -1,6 +1,5 @@
 /* Trace: straightest geodesics from a point. */
-#ifndef PROTO_TRACE_H
-#define PROTO_TRACE_H
+#pragma once
 
 #include "gd/trace.h"
 #include "proto/http/options.h"
@@ -16,5 +15,3 @@ const char *proto_trace_end_name(enum gd_trace_end end);
 /* Writes a trace. The geometry selects the form of points, as in path.h. */
 void proto_trace_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                         const struct gd_trace *trace, enum proto_geometry geometry);
-
-#endif

@@ -5,8 +5,7 @@
  * {"face": 1, "barycentric": [0.2, 0.3, 0.5]} and {"xyz": [1, 2, 3]}. If the text is anything else,
  * the functions return false, and the caller parses the document. The document's parser accepts the
  * other forms, too, and reports faults. Both parsers must give the same result for plain text. */
-#ifndef PROTO_BULK_POINTS_H
-#define PROTO_BULK_POINTS_H
+#pragma once
 
 #include "generated/values.h"
 
@@ -31,5 +30,3 @@ bool proto_bulk_point(struct proto_bulk_text *points, struct proto_point *out);
 
 /* Returns true if nothing but the closing brace is left. */
 bool proto_bulk_end(struct proto_bulk_text *text);
-
-#endif

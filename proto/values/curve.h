@@ -2,8 +2,7 @@
  * struct proto_curve and the functions that decode and free it are in generated/requests.h.
  * Locating moves the points onto a mesh. Resolving computes the polyline, which takes a long
  * time. */
-#ifndef PROTO_CURVE_H
-#define PROTO_CURVE_H
+#pragma once
 
 #include "gd/curve.h"
 #include "generated/requests.h"
@@ -33,5 +32,3 @@ GD_MUST_USE enum gd_status proto_curve_resolve(const struct gd_mesh *mesh,
 /* Converts a failure of proto_curve_resolve into a problem at the curve's place. Returns false. */
 bool proto_curve_fail(const struct proto_located_curve *located, enum gd_status status,
                       struct gd_detail *detail, struct proto_problem *problem);
-
-#endif

@@ -2,8 +2,7 @@
  *
  * Decoding checks the form and needs no mesh. Locating computes the direction on a mesh at its
  * point, and checks that the direction is possible there. */
-#ifndef PROTO_DIRECTION_H
-#define PROTO_DIRECTION_H
+#pragma once
 
 #include <jansson.h>
 
@@ -32,5 +31,3 @@ bool proto_direction_locate(const struct gd_mesh *mesh, const struct gd_point *p
                             struct proto_problem *problem);
 
 void proto_direction_encode(struct proto_writer *writer, const struct gd_direction *direction);
-
-#endif

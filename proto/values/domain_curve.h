@@ -2,8 +2,7 @@
  * polyline, the parameter is the number of the corner. On a B-spline, the knots give the parameter.
  * On an iso line, the parameter is the coordinate that is not constant. struct proto_domain_curve
  * is in generated/requests.h. */
-#ifndef PROTO_DOMAIN_CURVE_H
-#define PROTO_DOMAIN_CURVE_H
+#pragma once
 
 #include "gd/domain_curve.h"
 #include "generated/requests.h"
@@ -26,5 +25,3 @@ bool proto_domain_curve_locate(const struct gd_parametric *surface,
                                const struct proto_domain_curve *curve,
                                const struct gd_control *control, struct gd_domain_curve **out,
                                struct proto_problem *problem);
-
-#endif

@@ -1,7 +1,6 @@
 /* Flat strip: a drawing (SVG 1.1) of a path and of the faces that the path crosses, unfolded into
  * the plane. */
-#ifndef PROTO_FLAT_STRIP_H
-#define PROTO_FLAT_STRIP_H
+#pragma once
 
 #include "gd/flat_strip.h"
 #include "proto/json/writer.h"
@@ -14,5 +13,3 @@ size_t proto_flat_strip_bytes(const struct gd_flat_strip *strip);
  * y downwards; the group's transform alone scales it to the page. */
 void proto_flat_strip_svg(struct proto_writer *writer, const struct gd_flat_strip *strip,
                           double length);
-
-#endif

@@ -1,6 +1,5 @@
 /* Limit place: a point of a subdivision surface (schema LimitPlace) in requests and answers. */
-#ifndef PROTO_LIMIT_PLACE_H
-#define PROTO_LIMIT_PLACE_H
+#pragma once
 
 #include "gd/limit_place.h"
 #include "generated/requests.h"
@@ -28,5 +27,3 @@ bool proto_limit_places_locate(const struct gd_subdivision *surface,
 
 void proto_limit_place_encode(struct proto_writer *writer, const struct gd_limit_point *place,
                               struct gd_vec3 xyz);
-
-#endif

@@ -1,7 +1,6 @@
 /* Mesh: a mesh as a resource. Reads its name, the options of an upload and the format of a
  * download; writes its description. */
-#ifndef PROTO_MESH_H
-#define PROTO_MESH_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -102,5 +101,3 @@ void proto_boundaries_encode(struct proto_writer *writer, const struct gd_mesh *
  * Older versions stored all boundaries. Returns NULL if the description is short enough or
  * malformed, or if out of memory. */
 char *proto_mesh_shorten(const char *description);
-
-#endif

@@ -1,6 +1,5 @@
 /* Parametric: surfaces of known shapes (torus, helicoid, …) in a request (schema Shape). */
-#ifndef PROTO_PARAMETRIC_H
-#define PROTO_PARAMETRIC_H
+#pragma once
 
 #include <jansson.h>
 
@@ -11,5 +10,3 @@
  * Problems: invalid_request, too_large, insufficient_memory. The caller releases `*out`. */
 bool proto_parametric_decode(const json_t *value, const char *place, struct gd_parametric **out,
                              const char **shape, struct proto_problem *problem);
-
-#endif

@@ -1,6 +1,5 @@
 /* Path: a polyline on the surface in an answer. */
-#ifndef PROTO_PATH_H
-#define PROTO_PATH_H
+#pragma once
 
 #include "gd/path.h"
 #include "proto/http/options.h"
@@ -27,5 +26,3 @@ size_t proto_path_bytes(uint32_t count, enum proto_geometry geometry);
 /* Writes one point of a path; the geometry is full or xyz. */
 void proto_path_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                              const struct gd_point *point, enum proto_geometry geometry);
-
-#endif

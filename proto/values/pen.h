@@ -1,6 +1,5 @@
 /* Pen: colours and labels of a figure. */
-#ifndef PROTO_PEN_H
-#define PROTO_PEN_H
+#pragma once
 
 #include <jansson.h>
 
@@ -17,5 +16,3 @@ bool proto_label_decode(const json_t *value, const char *place, struct proto_lab
 /* Reads "#rrggbb" as GD_PICTURE_RGB. */
 bool proto_color_decode(const json_t *value, const char *place, uint32_t *out,
                         struct proto_problem *problem);
-
-#endif

@@ -2,8 +2,7 @@
  *
  * Decoding checks the form and needs no mesh. Locating moves the point onto a mesh, and checks that
  * the point exists there. */
-#ifndef PROTO_POINT_H
-#define PROTO_POINT_H
+#pragma once
 
 #include <jansson.h>
 
@@ -43,5 +42,3 @@ void proto_xyz_encode(struct proto_writer *writer, struct gd_vec3 xyz);
 void proto_member_point(struct proto_writer *writer, const char *key, const struct gd_mesh *mesh,
                         const struct gd_point *point, double snap_distance);
 void proto_member_xyz(struct proto_writer *writer, const char *key, struct gd_vec3 xyz);
-
-#endif

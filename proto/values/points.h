@@ -1,6 +1,5 @@
 /* Points: a list of points in a request, and their locations on a mesh. */
-#ifndef PROTO_POINTS_H
-#define PROTO_POINTS_H
+#pragma once
 
 #include "proto/values/point.h"
 
@@ -50,5 +49,3 @@ bool proto_points_locate(const struct gd_mesh *mesh, const struct proto_points *
 void proto_located_points_encode(struct proto_writer *writer,
                                  const struct proto_located_points *located, uint32_t first,
                                  uint32_t count);
-
-#endif

@@ -1,8 +1,7 @@
 /* Set: the set to which distances are measured. Its members are points, curves and boundaries,
  * numbered in this order. Each member has a label, and an offset that is added to the distances
  * from the member. */
-#ifndef PROTO_SET_H
-#define PROTO_SET_H
+#pragma once
 
 #include <jansson.h>
 
@@ -79,5 +78,3 @@ GD_MUST_USE enum gd_status proto_set_locate(const struct gd_mesh *mesh, const st
 
 /* Returns a member's label, or NULL. */
 const char *proto_located_set_label(const struct proto_located_set *set, uint32_t member);
-
-#endif

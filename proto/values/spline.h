@@ -1,8 +1,7 @@
 /* Spline: a geodesic Hermite spline in a request, by itself or as a curve, and in an answer.
  *
  * Decoding needs no mesh. Locating moves points and tangents onto a mesh. */
-#ifndef PROTO_SPLINE_H
-#define PROTO_SPLINE_H
+#pragma once
 
 #include <jansson.h>
 
@@ -69,5 +68,3 @@ struct proto_spline_frame {
 void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                          const struct gd_spline *spline, const struct gd_spline_line *line,
                          bool frames, const struct proto_options *options);
-
-#endif

@@ -1,8 +1,7 @@
 /* USD: a control mesh as JSON with the names of Universal Scene Description (SubdivisionJson).
  * `creaseSharpnesses` has one number for each chain, or one for each edge of all chains. This
  * header does not expose the JSON library. */
-#ifndef PROTO_USD_H
-#define PROTO_USD_H
+#pragma once
 
 #include "gd/subdivision.h"
 #include "proto/json/problem.h"
@@ -22,5 +21,3 @@ bool proto_usd_is(const void *bytes, size_t size);
  * caller frees out->control_mesh. */
 bool proto_usd_read(const void *bytes, size_t size, const struct gd_read_options *limits,
                     struct proto_usd *out, struct proto_problem *problem);
-
-#endif

@@ -1,6 +1,5 @@
 /* Parameters: parameter pairs [u, v] of a parametric surface in requests. */
-#ifndef PROTO_UV_H
-#define PROTO_UV_H
+#pragma once
 
 #include "gd/parametric.h"
 #include "proto/json/object.h"
@@ -27,5 +26,3 @@ bool proto_knots_check(uint32_t points, uint32_t degree, uint32_t knots, const c
  * `place`. */
 bool proto_uv_check(const struct gd_parametric *surface, const double uv[2], const char *place,
                     struct proto_problem *problem);
-
-#endif

@@ -1,8 +1,7 @@
 /* Vector: tangent vectors in requests and answers, and the requests of exp, log and transport. If a
  * vector has segments, `exp` traces them. `transport` and `combine` use the vector's own direction
  * and length. */
-#ifndef PROTO_VECTOR_H
-#define PROTO_VECTOR_H
+#pragma once
 
 #include "gd/vector.h"
 #include "proto/http/options.h"
@@ -77,5 +76,3 @@ void proto_vector_encode(struct proto_writer *writer, const struct gd_direction 
 /* Writes direction and length, "segments" if there are several, and "cut_locus" if other paths are
  * equally short. */
 void proto_log_encode(struct proto_writer *writer, const struct gd_log *log, bool is_cut);
-
-#endif

@@ -1,7 +1,6 @@
 /* Access: identifies the key of a request, and checks its rights and limits. Without --keys every
  * client has all rights, except that requests of foreign web pages are refused. */
-#ifndef SERVER_ACCESS_ACCESS_H
-#define SERVER_ACCESS_ACCESS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -89,5 +88,3 @@ bool server_guard_lists(const struct server_config *config, const char *origin);
  * no host. Thread-safe. */
 bool server_guard_admit(const struct server_config *config,
                         const struct server_guard_request *request, struct proto_problem *problem);
-
-#endif

@@ -12,8 +12,7 @@
  * A key has 258 random bits and is shown once. The file holds only its SHA-256. A set of keys is
  * immutable and reference-counted. Reading the file again creates a new set. A key keeps its quota
  * if its name was in the old set. */
-#ifndef SERVER_ACCESS_CREDENTIALS_H
-#define SERVER_ACCESS_CREDENTIALS_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -111,5 +110,3 @@ bool server_credentials_is_name(const char *text);
  * scripts to `out`: the key, and then the key's line for the file of --keys. Prints an explanation
  * to `error`. Returns false after printing a sentence to `error`. */
 bool server_keygen(int argc, char *const argv[], FILE *out, FILE *error);
-
-#endif

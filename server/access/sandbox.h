@@ -24,8 +24,7 @@
  * (without a database) a socket. It can't map executable memory, set a setuid bit, or change a
  * file's mode, owner or times. It can't change signals, priority or limits of another process. The
  * filter can't check paths, so stat(2) still shows whether a file exists. */
-#ifndef SERVER_ACCESS_SANDBOX_H
-#define SERVER_ACCESS_SANDBOX_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -59,5 +58,3 @@ struct server_sandbox server_sandbox_enter(const struct server_sandbox_needs *ne
 
 /* The second step. Logs the parts that are on, and the reasons why others are off. */
 void server_sandbox_seal(struct server_sandbox *sandbox);
-
-#endif

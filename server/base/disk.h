@@ -3,8 +3,7 @@
  * A file is written under a temporary name, fsync'ed and renamed; then its folder is fsync'ed, so
  * that the name is durable too. After a failed write or fsync the kernel may drop the data and
  * report success the next time, so callers never retry after READ_ONLY. Thread-safe. */
-#ifndef SERVER_BASE_DISK_H
-#define SERVER_BASE_DISK_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -92,5 +91,3 @@ server_disk_copier server_disk_link;
 /* Renames a damaged file: appends a unique suffix to its name, and to the names of the -wal and
  * -shm files of a database. Writes the suffix to `suffix`. */
 void server_disk_set_aside(const char *path, char suffix[SERVER_DISK_ASIDE_SUFFIX]);
-
-#endif

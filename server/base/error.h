@@ -1,6 +1,5 @@
 /* Error: a sentence for the operator or the client with the reason for a failure. */
-#ifndef SERVER_BASE_ERROR_H
-#define SERVER_BASE_ERROR_H
+#pragma once
 
 #include <stdarg.h>
 #include <stdbool.h>
@@ -18,5 +17,3 @@ __attribute__((format(printf, 2, 3))) static inline bool server_refuse(char erro
     va_end(arguments);
     return false;
 }
-
-#endif

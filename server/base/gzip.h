@@ -1,6 +1,5 @@
 /* Gzip (RFC 1952): compression of a buffer or a text, and decompression within limits. */
-#ifndef SERVER_BASE_GZIP_H
-#define SERVER_BASE_GZIP_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -50,5 +49,3 @@ bool server_inflater_is_whole(const struct server_inflater *inflater);
 
 /* Returns the CRC-32 of the bytes, continued from `sum`, which is 0 at the beginning. */
 uint32_t server_crc32(uint32_t sum, const void *bytes, size_t size);
-
-#endif

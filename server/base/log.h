@@ -13,8 +13,7 @@
  * into a bounded buffer, and a thread writes them. If standard error is read too slowly, lines are
  * dropped, and a line `log_dropped` with their number takes their place. Standard error stays
  * blocking, because other processes share it. */
-#ifndef SERVER_BASE_LOG_H
-#define SERVER_BASE_LOG_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -64,5 +63,3 @@ void server_log_flush_at_crash(void);
 
 /* Returns the number of lines dropped since the start. Takes no lock. */
 uint64_t server_log_dropped(void);
-
-#endif

@@ -1,6 +1,5 @@
 /* Names: a set of strings. Not thread-safe. */
-#ifndef SERVER_BASE_NAMES_H
-#define SERVER_BASE_NAMES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -15,5 +14,3 @@ void server_names_add(struct server_names *names, const char *name); /* copies i
 void server_names_remove(struct server_names *names, const char *name);
 bool server_names_has(const struct server_names *names, const char *name);
 void server_names_free(struct server_names *names);
-
-#endif

@@ -1,6 +1,5 @@
 /* SHA-256 of a buffer or of pieces, as lower-case hexadecimal. */
-#ifndef SERVER_BASE_SHA256_H
-#define SERVER_BASE_SHA256_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -24,5 +23,3 @@ struct server_sha256;
 struct server_sha256 *server_sha256_begin(void);
 void server_sha256_add(struct server_sha256 *sum, const void *bytes, size_t size);
 void server_sha256_end(struct server_sha256 *sum, char hex[SERVER_SHA256_HEX]); /* frees it */
-
-#endif

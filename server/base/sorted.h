@@ -1,6 +1,5 @@
 /* Sorted array of pointers to items; each item has its own key. Not thread-safe. */
-#ifndef SERVER_BASE_SORTED_H
-#define SERVER_BASE_SORTED_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -68,5 +67,3 @@ static inline void *server_sorted_remove(struct server_sorted *sorted, uint32_t 
     memmove(place, place + 1, (--sorted->count - at) * sizeof *place);
     return item;
 }
-
-#endif

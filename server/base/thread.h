@@ -6,8 +6,7 @@
  *     }
  *
  * A wake is never lost: a wake during the work ends the next pause at once. */
-#ifndef SERVER_BASE_THREAD_H
-#define SERVER_BASE_THREAD_H
+#pragma once
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -68,5 +67,3 @@ void server_pause(uint64_t ns);
 /* Waits until the condition is signalled, or until a time on the clock of gd_now_ns;
  * SERVER_THREAD_FOREVER means no limit. The caller holds the lock. Returns false at a timeout. */
 bool server_condition_wait(pthread_cond_t *condition, pthread_mutex_t *lock, uint64_t until_ns);
-
-#endif

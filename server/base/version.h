@@ -1,7 +1,4 @@
 /* Version: the version that --version, GET /v1 and the metrics show. */
-#ifndef SERVER_BASE_VERSION_H
-#define SERVER_BASE_VERSION_H
+#pragma once
 
 #define SERVER_VERSION "0.1.0"
-
-#endif

@@ -1,6 +1,5 @@
 /* Address: where the daemon listens, ADDR:PORT or unix:PATH. */
-#ifndef SERVER_CONFIG_ADDRESS_H
-#define SERVER_CONFIG_ADDRESS_H
+#pragma once
 
 #include <stdbool.h>
 #include <sys/socket.h>
@@ -40,5 +39,3 @@ int server_address_bind(struct server_address *address, char error[SERVER_ERROR]
  * because other processes regard a bound socket that does not listen as dead. */
 bool server_address_listen(int descriptor, const struct server_address *address,
                            char error[SERVER_ERROR]);
-
-#endif

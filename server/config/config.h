@@ -1,7 +1,6 @@
 /* Config: the operator's settings. One table defines the flags, the environment variables, the
  * settings of the file, the text of --help and the checks. */
-#ifndef SERVER_CONFIG_CONFIG_H
-#define SERVER_CONFIG_CONFIG_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -81,5 +80,3 @@ enum server_config_outcome {
  * --cors-origin) are added to the earlier values. Validates the result. */
 enum server_config_outcome server_config_load(struct server_config *config, char *const argv[],
                                               FILE *out, FILE *error);
-
-#endif

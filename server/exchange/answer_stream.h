@@ -9,8 +9,7 @@
  * Each of SERVER_ANSWER_STREAMS threads serves one stream. They start with the daemon, because the
  * sandbox forbids new threads. The whole text is stored in memory if all threads are in use, and
  * for jobs, HEAD and HTTP/1.0. */
-#ifndef SERVER_EXCHANGE_ANSWER_STREAM_H
-#define SERVER_EXCHANGE_ANSWER_STREAM_H
+#pragma once
 
 #include "server/exchange/exchange.h"
 
@@ -51,5 +50,3 @@ struct server_answer_encoder {
  * stream ends. */
 void server_answer_reply(struct server_exchange *exchange, unsigned status,
                          struct proto_writer *writer, const struct server_answer_encoder *encoder);
-
-#endif

@@ -13,8 +13,7 @@
  *     If-None-Match of other methods   weak, with the resource and all its representations
  * For a request that changes the resource, only the current tag of a description matches.
  * Conditions on dates and ranges are ignored: no resource has a date, and no range is served. */
-#ifndef SERVER_EXCHANGE_ETAG_H
-#define SERVER_EXCHANGE_ETAG_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -69,5 +68,3 @@ bool server_precondition_holds(const struct server_precondition *precondition, c
  * client's `text`. `etag` is NULL if the resource does not exist. */
 bool server_precondition_allows(const struct server_precondition *precondition, const char *etag,
                                 const char *text);
-
-#endif

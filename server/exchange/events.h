@@ -11,8 +11,7 @@
  * events, and no queue grows. A reader without data is paused until the source changes, a heartbeat
  * is due, or its client has hung up. One mutex guards the list of streams. The mutex is held while
  * `pause`, `resume` and sources are called, so a source's lock is acquired after the mutex. */
-#ifndef SERVER_EXCHANGE_EVENTS_H
-#define SERVER_EXCHANGE_EVENTS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -84,5 +83,3 @@ ptrdiff_t server_stream_read(struct server_stream *stream, char *bytes, size_t s
 
 /* Closes the stream; its reader is not called any more. NULL is allowed. */
 void server_stream_close(struct server_stream *stream);
-
-#endif

@@ -12,8 +12,7 @@
  *
  * States: reading -> ready -> answered, or deferred -> answered. An exchange is answered when
  * response.status is set (reply.h). A handler ends with a reply or with server_exchange_defer. */
-#ifndef SERVER_EXCHANGE_EXCHANGE_H
-#define SERVER_EXCHANGE_EXCHANGE_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -318,5 +317,3 @@ struct server_monitor {
     uint64_t limit_ns; /* an earlier deadline, for this call only; 0 means none */
 };
 struct gd_control server_exchange_control(struct server_monitor *monitor);
-
-#endif

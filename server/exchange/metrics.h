@@ -2,8 +2,7 @@
  *
  * Counters are sharded: each thread counts in its own shard with relaxed atomics, so that HTTP
  * threads share no cache line. Readers sum the shards. Thread-safe. */
-#ifndef SERVER_EXCHANGE_METRICS_H
-#define SERVER_EXCHANGE_METRICS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -48,5 +47,3 @@ struct server_metric {
 /* Appends metrics, each with the lines HELP and TYPE. */
 void server_metrics_write_values(struct proto_writer *writer, const struct server_metric *values,
                                  size_t count);
-
-#endif

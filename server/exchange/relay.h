@@ -13,8 +13,7 @@
  * blocks until half of them are read. So memory is bounded for answers of any length. The budget
  * counts the buffer as an answer from the beginning. When the client disconnects, the stream is
  * closed. Order of locks: events, relay, workers. */
-#ifndef SERVER_EXCHANGE_RELAY_H
-#define SERVER_EXCHANGE_RELAY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -59,5 +58,3 @@ void server_relay_end(struct server_relay *relay, bool is_whole);
 
 /* Returns true if the client has disconnected or the answer was cut. */
 bool server_relay_is_over(struct server_relay *relay);
-
-#endif

@@ -1,7 +1,6 @@
 /* Reply: functions by which a handler answers. Each server_reply_… ends the request, except those
  * that only add headers or begin a text. */
-#ifndef SERVER_EXCHANGE_REPLY_H
-#define SERVER_EXCHANGE_REPLY_H
+#pragma once
 
 #include "proto/http/asset.h"
 #include "proto/json/writer.h"
@@ -68,5 +67,3 @@ bool server_reply_accepts_json(struct server_exchange *exchange);
  * the headers that all answers have. Called once, after the reply, by a transport that sends the
  * answer immediately. */
 void server_reply_seal(struct server_exchange *exchange);
-
-#endif

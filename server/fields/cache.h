@@ -31,8 +31,7 @@
  * One mutex guards the whole cache; the workers' lock is acquired after this mutex. No field is
  * freed under the mutex. The budget's reclaimer locks the mutex, so a thread that holds it must not
  * take memory from the budget. All functions are thread-safe. */
-#ifndef SERVER_FIELDS_CACHE_H
-#define SERVER_FIELDS_CACHE_H
+#pragma once
 
 #include "gd/field.h"
 #include "server/work/budget.h"
@@ -136,5 +135,3 @@ struct server_cache_statistics {
     uint64_t hits, misses, builds, waits, evictions, fields;
 };
 struct server_cache_statistics server_cache_statistics(struct server_cache *cache);
-
-#endif

@@ -10,8 +10,7 @@
  * every few milliseconds. If the builder fails, a waiting request becomes the builder. The built
  * grids and meshes are kept in a list (lru.h), and evicted before any mesh of a client, because a
  * rebuild takes less than a second. All functions are thread-safe. */
-#ifndef SERVER_FIELDS_DISCRETIZATIONS_H
-#define SERVER_FIELDS_DISCRETIZATIONS_H
+#pragma once
 
 #include "gd/limit_grid.h"
 #include "server/fields/lru.h"
@@ -64,5 +63,3 @@ void server_discretization_release(struct server_discretization *discretization)
 
 /* Empties the slot of a surface that no request uses any more. */
 void server_discretization_slot_close(struct server_discretization_slot *slot);
-
-#endif

@@ -4,8 +4,7 @@
  * counter gets a free counter. If no counter is free, every counter is decremented. So a point gets
  * a counter if it has more than 1/SERVER_HOT_POINTS of the queries. Points are identified by a
  * hash; a collision is harmless. Not thread-safe. */
-#ifndef SERVER_FIELDS_HOT_POINTS_H
-#define SERVER_FIELDS_HOT_POINTS_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -54,5 +53,3 @@ static inline void server_hot_points_forget(struct server_hot_points *points, ui
     uint32_t *counter = server_hot_points_counter(points, hash);
     if (counter) *counter = 0;
 }
-
-#endif

@@ -7,8 +7,7 @@
  * list and the places. The owner may guard other data with this mutex too. No item is freed under
  * the mutex. The budget's reclaimer locks the mutex, so a thread that holds it must not take memory
  * from the budget. */
-#ifndef SERVER_FIELDS_LRU_H
-#define SERVER_FIELDS_LRU_H
+#pragma once
 
 #include <pthread.h>
 #include <sys/queue.h>
@@ -55,5 +54,3 @@ void server_lru_release(struct server_lru_item *item); /* NULL is allowed */
 void server_lru_put(struct server_lru_item **place, struct server_lru_item *item);
 struct server_lru_item *server_lru_get(struct server_lru_item **place);
 struct server_lru_item *server_lru_take(struct server_lru_item **place);
-
-#endif

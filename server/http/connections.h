@@ -16,8 +16,7 @@
  * least n/2 of them. It begins with unfinished heads older than a second, the oldest first. Then it
  * shuts down idle connections, the longest idle first. While less than half of the reserve is free,
  * it also shuts down connections with younger heads and connections of other addresses. */
-#ifndef SERVER_HTTP_CONNECTIONS_H
-#define SERVER_HTTP_CONNECTIONS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -88,5 +87,3 @@ void server_connection_end(struct server_connection *connection);
 
 /* Counts a malformed request. */
 void server_connection_refuse(struct server_connection *connection);
-
-#endif

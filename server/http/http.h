@@ -1,7 +1,6 @@
 /* HTTP: the interface to libmicrohttpd. Converts requests to exchanges; does not depend on the
  * routes. */
-#ifndef SERVER_HTTP_HTTP_H
-#define SERVER_HTTP_HTTP_H
+#pragma once
 
 #include "server/base/error.h"
 
@@ -36,5 +35,3 @@ void server_http_quiesce(struct server_http *http);
 /* Closes all connections and frees `http`. Call this function when no exchange is deferred. NULL is
  * allowed. */
 void server_http_stop(struct server_http *http);
-
-#endif

@@ -1,7 +1,6 @@
 /* TLS: certificate and private key. Each handshake reads the current pair, so a reload can replace
  * the pair. */
-#ifndef SERVER_HTTP_TLS_H
-#define SERVER_HTTP_TLS_H
+#pragma once
 
 #include "server/base/error.h"
 
@@ -26,5 +25,3 @@ void server_tls_close(struct server_tls *tls);
 
 /* Returns the gnutls_certificate_retrieve_function2 for MHD_OPTION_HTTPS_CERT_CALLBACK. */
 void *server_tls_retrieve(void);
-
-#endif

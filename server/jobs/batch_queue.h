@@ -15,8 +15,7 @@
  * is visible only after all smaller numbers, so a reader that continues after n skips no answer.
  *
  * Thread-safe. Outcomes are those of sql.h. */
-#ifndef SERVER_JOBS_BATCH_QUEUE_H
-#define SERVER_JOBS_BATCH_QUEUE_H
+#pragma once
 
 #include "proto/queries/many.h"
 #include "server/exchange/etag.h"
@@ -115,5 +114,3 @@ enum server_outcome server_batch_queue_return_all(struct server_store_sql *sql);
 enum server_outcome server_batch_queue_answer(struct server_store_sql *sql,
                                               const struct server_batch_claim *claim,
                                               unsigned status, const void *answer, size_t size);
-
-#endif

@@ -9,8 +9,7 @@
  *
  * The queue is in the store's database: in PostgreSQL, or in a SQLite file in the data folder,
  * which the first batch creates. With a store in memory, the queue is in memory, too. */
-#ifndef SERVER_JOBS_BATCH_RUNNER_H
-#define SERVER_JOBS_BATCH_RUNNER_H
+#pragma once
 
 #include "server/config/config.h"
 #include "server/exchange/exchange.h"
@@ -66,5 +65,3 @@ struct server_batch_statistics {
 };
 /* Returns zeros if `runner` is NULL. */
 struct server_batch_statistics server_batch_runner_statistics(struct server_batch_runner *runner);
-
-#endif

@@ -20,8 +20,7 @@
  * A job is reference-counted; the table, the exchange and each caller that uses the job have a
  * reference. One mutex guards the table and the states. A thread that holds it may take only the
  * workers' lock. All functions are thread-safe. */
-#ifndef SERVER_JOBS_JOB_TABLE_H
-#define SERVER_JOBS_JOB_TABLE_H
+#pragma once
 
 #include "proto/http/job.h"
 #include "server/exchange/exchange.h"
@@ -101,5 +100,3 @@ bool server_deferred_job_wait(struct server_deferred_job *job, struct server_job
 
 /* Returns the name of the key that started the job, or "" if the daemon has no keys. */
 const char *server_deferred_job_key(const struct server_deferred_job *job);
-
-#endif

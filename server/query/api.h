@@ -1,7 +1,6 @@
 /* API: the parts of the daemon that only handlers use. The parts that every request uses are in
  * struct server_host. server.c fills in both structs. All parts outlive the exchanges. */
-#ifndef SERVER_QUERY_API_H
-#define SERVER_QUERY_API_H
+#pragma once
 
 #include "server/config/config.h"
 #include "server/fields/cache.h"
@@ -34,5 +33,3 @@ struct server_api {
     void (*write_metrics)(void *source, const char *tenant, struct proto_writer *writer);
     void *metrics_source;
 };
-
-#endif

@@ -13,8 +13,7 @@
  *         the arrays by row, each at an offset that is a multiple of 8
  *
  * Numbers that JSON writes as null are NaN, indices UINT32_MAX. See doc/020. */
-#ifndef SERVER_QUERY_ARRAYS_H
-#define SERVER_QUERY_ARRAYS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -118,5 +117,3 @@ const struct server_array *server_arrays_find(const struct server_arrays *arrays
 /* Return one number or index. Numbers may be doubles or floats. */
 double server_array_number(const struct server_array *array, uint64_t index);
 uint32_t server_array_index(const struct server_array *array, uint64_t index);
-
-#endif

@@ -5,8 +5,7 @@
  *     server_edits_run(&edits, &monitor, &problem) &&
  *         server_edits_add(&edits, &edits.edited, &meshes, name, &problem);
  *     server_edits_free(&edits); */
-#ifndef SERVER_QUERY_EDITS_H
-#define SERVER_QUERY_EDITS_H
+#pragma once
 
 #include "proto/queries/derive.h"
 #include "server/query/surface_resource.h"
@@ -38,5 +37,3 @@ bool server_edits_add_parts(struct server_edits *edits, struct server_monitor *p
                             struct proto_problem *problem);
 
 void server_edits_free(struct server_edits *edits); /* accepts all zero */
-
-#endif

@@ -21,8 +21,7 @@
  *
  * A query belongs to the thread that has its exchange. After PARKED the caller must not use the
  * query or the exchange. */
-#ifndef SERVER_QUERY_QUERY_H
-#define SERVER_QUERY_QUERY_H
+#pragma once
 
 #include <jansson.h>
 
@@ -312,5 +311,3 @@ size_t server_distances_only_grant(const struct gd_mesh *mesh);
 GD_MUST_USE enum gd_status server_query_build_field(struct server_query *query,
                                                     struct server_monitor part,
                                                     const struct server_cached **out);
-
-#endif

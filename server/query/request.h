@@ -1,6 +1,5 @@
 /* Request: functions by which all handlers read requests. */
-#ifndef SERVER_QUERY_REQUEST_H
-#define SERVER_QUERY_REQUEST_H
+#pragma once
 
 #include "proto/json/decode.h"
 #include "proto/http/page.h"
@@ -98,5 +97,3 @@ void server_request_fail(struct server_exchange *exchange, enum server_outcome o
 
 /* Returns whether a surface was stored; otherwise replies with the problem. */
 bool server_request_check_stored(struct server_exchange *exchange, enum server_outcome outcome);
-
-#endif

@@ -1,7 +1,6 @@
 /* Result: writes an answer as a file in a format of gd/result_file.h. The memory counts against
  * the budget. On failure the functions return false and set the problem. */
-#ifndef SERVER_QUERY_RESULT_H
-#define SERVER_QUERY_RESULT_H
+#pragma once
 
 #include "gd/path.h"
 #include "gd/result_file.h"
@@ -52,5 +51,3 @@ bool server_result_write_strip(const struct server_query *query, const struct gd
 /* Sets the problem not_acceptable, because the answer has nothing to draw, and returns false. `why`
  * is the beginning of the problem's text. */
 bool server_result_refuse_nothing(struct proto_problem *problem, const char *why);
-
-#endif

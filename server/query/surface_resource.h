@@ -1,7 +1,6 @@
 /* Surface resource: a surface as clients see it. These functions build a surface from a file's
  * bytes, describe it in an answer, and store meshes that the daemon makes. */
-#ifndef SERVER_QUERY_SURFACE_RESOURCE_H
-#define SERVER_QUERY_SURFACE_RESOURCE_H
+#pragma once
 
 #include "gd/polygons.h"
 #include "proto/json/writer.h"
@@ -92,5 +91,3 @@ enum server_outcome server_derived_meshes_store(struct server_derived_meshes *me
 /* Replies with the descriptions of all meshes, 201 or 200, or with the problem of the outcome. */
 void server_derived_meshes_reply(const struct server_derived_meshes *meshes,
                                  enum server_outcome outcome);
-
-#endif

@@ -2,8 +2,7 @@
  * calls. The store uses the names and options; server/surfaces defines the tables and uses the
  * rest. To add a kind: write its table, list it in surfaces/kinds.c and add its paths to
  * openapi.yaml. */
-#ifndef SERVER_STORE_KIND_H
-#define SERVER_STORE_KIND_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -116,5 +115,3 @@ bool server_key_read(char text[SERVER_KEY_TEXT], struct server_key *out);
 
 /* Returns true if the tenant is valid: 1 to SERVER_TENANT characters that are allowed in names. */
 bool server_tenant_check(const char *tenant);
-
-#endif

@@ -25,8 +25,7 @@
  * are named by their content, and surfaces of one tenant with the same content share an object.
  * Different tenants share no objects, so that the time of an upload does not reveal the files of
  * other tenants. */
-#ifndef SERVER_STORE_RECORD_H
-#define SERVER_STORE_RECORD_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -149,5 +148,3 @@ enum server_record_reading {
  * record has another key. After READ the caller owns one reference of `*out`. */
 enum server_record_reading server_record_read(const char *key, const char *text, size_t size,
                                               struct server_record **out);
-
-#endif

@@ -2,8 +2,7 @@
  *
  *     sql->run(sql, SERVER_SQL("UPDATE … WHERE key = $1 AND number = $2",
  *                              SERVER_VALUES(server_sql_text(key), server_sql_integer(n)))); */
-#ifndef SERVER_STORE_SQL_H
-#define SERVER_STORE_SQL_H
+#pragma once
 
 #include <string.h>
 
@@ -120,5 +119,3 @@ struct server_store_sql *server_store_sql_local_open(const char *path, const cha
 /* Opens the database of a PostgreSQL store. The store has already made the tables. Returns NULL if
  * out of memory. */
 struct server_store_sql *server_store_sql_postgres_open(const char *url);
-
-#endif

@@ -11,8 +11,7 @@
  * `remove`, `tidy` and `note_uses`. One thread at a time, with the follower's lock, calls `each`
  * and `follow`. One thread calls `await`. Any thread calls `fetch`, `verify`, `damaged` and
  * `health`. The first call must be `each`. */
-#ifndef SERVER_STORE_STORE_H
-#define SERVER_STORE_STORE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -146,5 +145,3 @@ bool server_store_backup(const char *folder, const char *copy, FILE *out);
  * of linking them, so that a bad block of one folder does not damage the other. On failure, returns
  * false and prints a sentence to `out`. */
 bool server_store_restore(const char *folder, const char *backup, FILE *out);
-
-#endif

@@ -9,8 +9,7 @@
  * When memory is short, the current build ends, and results are evicted. The thread has the
  * priority of a worker with a long job (thread_priority.h). While all workers are busy, the thread
  * sleeps ten times as long as it computes. */
-#ifndef SERVER_SURFACES_BACKGROUND_H
-#define SERVER_SURFACES_BACKGROUND_H
+#pragma once
 
 #include "server/surfaces/surface.h"
 #include "server/work/budgeted_call.h"
@@ -69,5 +68,3 @@ struct server_budgeted_call server_build_begin_call(struct server_build *build, 
 
 /* Returns true if memory became short during the build. */
 bool server_build_is_pressed(const struct server_build *build);
-
-#endif

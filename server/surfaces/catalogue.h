@@ -7,8 +7,7 @@
  * forgotten resources are kept for some time, so that the answers to their clients can give the
  * reason. Resources are reference-counted and immutable. One mutex guards the list. All functions
  * are thread-safe. */
-#ifndef SERVER_SURFACES_CATALOGUE_H
-#define SERVER_SURFACES_CATALOGUE_H
+#pragma once
 
 #include <stdatomic.h>
 
@@ -86,5 +85,3 @@ struct server_resource *server_catalogue_remove(struct server_catalogue *catalog
  * retained. */
 uint32_t server_catalogue_list(struct server_catalogue *catalogue, const char *after, uint32_t most,
                                struct server_resource **out);
-
-#endif

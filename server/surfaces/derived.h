@@ -1,6 +1,5 @@
 /* Derived: the data stored with a derived mesh, that is, a mesh made from another mesh by edits. */
-#ifndef SERVER_SURFACES_DERIVED_H
-#define SERVER_SURFACES_DERIVED_H
+#pragma once
 
 #include <string.h>
 
@@ -28,5 +27,3 @@ static inline const struct server_derived *server_derived_of(const struct server
                       memcmp(surface->attachment, SERVER_DERIVED_WORD, 8) == 0;
     return is_derived ? surface->attachment : NULL;
 }
-
-#endif

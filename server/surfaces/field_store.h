@@ -11,8 +11,7 @@
  * not mapped, because a page that the disk can't deliver would end the process. Thread-safe, with
  * these exceptions: server_field_store_save is called when nothing else runs, and one thread at a
  * time writes landmarks or previews. */
-#ifndef SERVER_SURFACES_FIELD_STORE_H
-#define SERVER_SURFACES_FIELD_STORE_H
+#pragma once
 
 #include "gd/landmarks.h"
 #include "gd/polygons.h"
@@ -72,5 +71,3 @@ void server_field_store_write_preview(struct server_field_store *store,
                                       struct server_registry *registry,
                                       const struct server_surface *surface,
                                       const struct server_stored_preview *preview);
-
-#endif

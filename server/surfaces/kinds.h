@@ -1,6 +1,5 @@
 /* The objects of NURBS and subdivision surfaces. */
-#ifndef SERVER_SURFACES_KINDS_H
-#define SERVER_SURFACES_KINDS_H
+#pragma once
 
 #include "gd/subdivision.h"
 #include "gd/tessellation.h"
@@ -34,5 +33,3 @@ static inline struct server_subdivision *server_subdivision_of(const struct serv
 {
     return surface->object;
 }
-
-#endif

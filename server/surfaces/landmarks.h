@@ -8,8 +8,7 @@
  * surface from the field store, or builds and stores them. Sets are evicted before fields and
  * meshes, because rebuilding a set is cheaper. After the set of a slot was evicted, the next build
  * waits many times as long as the last build took. All functions are thread-safe. */
-#ifndef SERVER_SURFACES_LANDMARKS_H
-#define SERVER_SURFACES_LANDMARKS_H
+#pragma once
 
 #include "gd/landmarks.h"
 #include "server/surfaces/background.h"
@@ -38,5 +37,3 @@ struct server_landmarks_statistics {
 };
 /* Returns zeros if `landmarks` is NULL. */
 struct server_landmarks_statistics server_landmarks_statistics(struct server_background *landmarks);
-
-#endif

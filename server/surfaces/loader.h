@@ -4,8 +4,7 @@
  * permits. After that it stores the numbers of uses every minute.
  *
  * One mutex guards the list of current loads. All functions are thread-safe. */
-#ifndef SERVER_SURFACES_LOADER_H
-#define SERVER_SURFACES_LOADER_H
+#pragma once
 
 #include "server/surfaces/field_store.h"
 #include "server/work/workers.h"
@@ -50,5 +49,3 @@ enum server_loader_outcome server_loader_load(struct server_loader *loader,
 /* Parks a job if the record is being loaded. Returns false if it is not. */
 bool server_loader_join(struct server_loader *loader, const struct server_record *record,
                         struct server_job *job);
-
-#endif

@@ -8,8 +8,7 @@
  * progress. A preview with another number of faces replaces the cached preview. After a failed
  * build, one request gets the failure, and the next request queues the slot again. All functions
  * are thread-safe. */
-#ifndef SERVER_SURFACES_PREVIEWS_H
-#define SERVER_SURFACES_PREVIEWS_H
+#pragma once
 
 #include "gd/polygons.h"
 #include "server/surfaces/background.h"
@@ -38,5 +37,3 @@ void server_preview_release(struct server_preview *preview); /* NULL is allowed 
 
 /* Called after an upload: queues the preview of a large mesh. */
 void server_previews_expect(struct server_background *previews, struct server_surface *surface);
-
-#endif

@@ -15,8 +15,7 @@
  * When memory is short, unused surfaces are unloaded if the store can load them again. Surfaces
  * without cached fields are unloaded first, in the order of their last use. Then fields are evicted
  * (cache.h). Then any other unused surface is unloaded. All functions are thread-safe. */
-#ifndef SERVER_SURFACES_REGISTRY_H
-#define SERVER_SURFACES_REGISTRY_H
+#pragma once
 
 #include "server/exchange/etag.h"
 #include "server/store/store.h"
@@ -127,5 +126,3 @@ struct server_registry_statistics server_registry_statistics(struct server_regis
 
 /* Returns a sentence with the reason why the store can't write; NULL means that it can. */
 const char *server_registry_health(struct server_registry *registry);
-
-#endif

@@ -2,8 +2,7 @@
  * the file. The thread reads at most at the configured rate, and much more slowly while requests
  * run. A damaged file is logged and put into quarantine (store.h); an upload of the same bytes
  * repairs it. */
-#ifndef SERVER_SURFACES_SCRUB_H
-#define SERVER_SURFACES_SCRUB_H
+#pragma once
 
 #include <stdint.h>
 
@@ -29,5 +28,3 @@ struct server_scrub_statistics {
     double progress; /* progress of the current round, in [0,1]; 1 between rounds */
 };
 struct server_scrub_statistics server_scrub_statistics(const struct server_scrub *scrub);
-
-#endif

@@ -1,6 +1,5 @@
 /* Slots of the registry: its entries, sorted by key. Not thread-safe; registry.c guards them. */
-#ifndef SERVER_SURFACES_SLOTS_H
-#define SERVER_SURFACES_SLOTS_H
+#pragma once
 
 #include "server/base/sorted.h"
 #include "server/store/store.h"
@@ -49,5 +48,3 @@ void server_slots_keep(struct server_sorted *all, struct server_sorted *fresh);
 bool server_slots_follow(struct server_sorted *all, struct server_budget *budget,
                          const struct server_key *key, const struct server_stored *change,
                          struct server_slot **left);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * A surface is immutable except for its reference count, its mesh cache and its slots. Mesh cache
  * and slots refer to the mesh until the surface is retired. */
-#ifndef SERVER_SURFACES_SURFACE_H
-#define SERVER_SURFACES_SURFACE_H
+#pragma once
 
 #include "gd/mesh.h"
 #include "server/fields/cache.h"
@@ -116,5 +115,3 @@ GD_MUST_USE enum gd_status server_build_take(const struct server_builder *builde
  * NULL. */
 enum gd_status server_build_refuse(const struct server_builder *builder, enum gd_status status,
                                    const struct gd_detail *detail);
-
-#endif

@@ -13,8 +13,7 @@
  * A client decides how long the body of its request and its unread answer hold memory. So with keys
  * each tenant has a share of this memory (struct server_share), and takes at most as much as it
  * leaves free. Then no tenant can hold all of it. */
-#ifndef SERVER_WORK_BUDGET_H
-#define SERVER_WORK_BUDGET_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -135,5 +134,3 @@ void server_share_count_answer(struct server_share *share, size_t bytes);
  * means that the number is unknown. Returns false. */
 bool server_budget_refuse(struct server_budget *budget, const char *what, size_t bytes,
                           struct proto_problem *problem);
-
-#endif

@@ -18,8 +18,7 @@
  * the most recently used workspace. Idle workspaces are reclaimed before all caches, the longest
  * idle first. The bytes of a borrowed workspace are SERVER_BUDGET_FLIGHT. All functions are
  * thread-safe. */
-#ifndef SERVER_WORK_BUDGETED_CALL_H
-#define SERVER_WORK_BUDGETED_CALL_H
+#pragma once
 
 #include "gd/control.h"
 #include "gd/workspace.h"
@@ -66,5 +65,3 @@ struct server_budgeted_call {
  * and moves them to another class or returns them. Errors: those of the call; GD_BUDGET (all
  * available memory is too little). */
 bool server_budgeted_call_next(struct server_budgeted_call *call);
-
-#endif

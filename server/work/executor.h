@@ -12,8 +12,7 @@
  * The caller runs every task that no helper has begun, so a run also ends without helpers. Caller
  * and helpers share the executor by reference counting. So a helper that leaves the queue after the
  * stop does not access memory of the caller. */
-#ifndef SERVER_WORK_EXECUTOR_H
-#define SERVER_WORK_EXECUTOR_H
+#pragma once
 
 #include "gd/executor.h"
 #include "server/work/workers.h"
@@ -27,5 +26,3 @@ const struct gd_executor *server_executor_start(struct server_workers *workers, 
 
 /* Stops and frees the executor. NULL is allowed. */
 void server_executor_stop(const struct gd_executor *executor);
-
-#endif

@@ -18,8 +18,7 @@
  * patient jobs occupy workers, or a job whose tenant has no running job.
  *
  * Not thread-safe: the lock of the workers guards the lanes. */
-#ifndef SERVER_WORK_LANES_H
-#define SERVER_WORK_LANES_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -97,5 +96,3 @@ struct server_job *server_lanes_expire(struct server_lanes *lanes, uint64_t now_
 
 uint32_t server_lanes_queued(const struct server_lanes *lanes);
 uint32_t server_lanes_running(const struct server_lanes *lanes);
-
-#endif

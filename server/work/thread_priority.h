@@ -12,8 +12,7 @@
  * that gets less than an eighth of a core's time returns to normal priority: the first time for one
  * second, then for two, then for four. Leaving idle priority needs a right (CAP_SYS_NICE,
  * LimitNICE=). Without it a worker never enters idle priority. */
-#ifndef SERVER_WORK_THREAD_PRIORITY_H
-#define SERVER_WORK_THREAD_PRIORITY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -48,5 +47,3 @@ void server_priority_begin(struct server_priority *priority, uint64_t now_ns);
 /* Returns true if the job has idle priority from now on. `cpu_ns` is the processor time of its
  * thread. */
 bool server_priority_update(struct server_priority *priority, uint64_t now_ns, uint64_t cpu_ns);
-
-#endif

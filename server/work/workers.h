@@ -7,8 +7,7 @@
  *
  * States: open -> cancelled (queued and new jobs are refused, running ones see
  * server_workers_cancelled and stop) -> destroyed. All functions are thread-safe. */
-#ifndef SERVER_WORK_WORKERS_H
-#define SERVER_WORK_WORKERS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -81,5 +80,3 @@ bool server_workers_are_busy(const struct server_workers *workers);
 
 /* Cancels the workers, waits for the running jobs, and frees the workers. NULL is allowed. */
 void server_workers_destroy(struct server_workers *workers);
-
-#endif

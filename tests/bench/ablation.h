@@ -1,6 +1,5 @@
 /* Functions of gd_bench ablation. */
-#ifndef TESTS_BENCH_ABLATION_H
-#define TESTS_BENCH_ABLATION_H
+#pragma once
 
 #include "tests/bench/paper.h"
 #include "tests/bench/trial.h"
@@ -24,5 +23,3 @@ void ablation_reach(const struct paper_model *model, const struct gd_mesh *mesh,
 /* agreement.c: checks that every combination of methods gives the same distances. Prints "ok" and
  * "not ok" lines. Returns false if any line is "not ok". */
 bool ablation_agreement(void);
-
-#endif

@@ -1,7 +1,6 @@
 /* Alter: makes a triangle mesh finer or rougher, in place, so that one model gives meshes of many
  * sizes. */
-#ifndef TESTS_BENCH_ALTER_H
-#define TESTS_BENCH_ALTER_H
+#pragma once
 
 #include "gd/polygons.h"
 #include "gd/status.h"
@@ -14,5 +13,3 @@ GD_MUST_USE enum gd_status alter_subdivide(struct gd_polygons *mesh, uint32_t le
  * distance is random, uniformly distributed up to `amplitude` mean edge lengths in either
  * direction. The seed is fixed. On GD_NO_MEMORY the mesh is unchanged. */
 GD_MUST_USE enum gd_status alter_roughen(struct gd_polygons *mesh, double amplitude);
-
-#endif

@@ -1,7 +1,6 @@
 /* gd_bench: measures the engine, and prints one JSON line for each measurement. This header
  * declares what the subcommands share. */
-#ifndef TESTS_BENCH_BENCH_H
-#define TESTS_BENCH_BENCH_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -146,5 +145,3 @@ void bench_print_mesh(const char *name, const struct gd_mesh *mesh);
 
 /* Writes the peak memory and closes the line's object. */
 void bench_print_end(void);
-
-#endif

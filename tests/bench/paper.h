@@ -1,7 +1,6 @@
 /* The paper's models and the figures of its tables: Y.-J. Liu, "Exact geodesic metric in 2-manifold
  * triangle meshes using edge-based data structures", Tables 1 to 4. */
-#ifndef TESTS_BENCH_PAPER_H
-#define TESTS_BENCH_PAPER_H
+#pragma once
 
 #include <stdint.h>
 
@@ -30,5 +29,3 @@ extern const uint32_t paper_model_count;
 
 /* Returns the model of that name, or NULL. */
 const struct paper_model *paper_find(const char *name);
-
-#endif

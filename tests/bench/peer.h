@@ -17,8 +17,7 @@
  * of all ends. `crossings` is the number of points of all paths, not counting the two ends of each
  * path. Correct solvers agree on these numbers. A program that does not support a task, or gets no
  * arguments, ends with status 2. */
-#ifndef TESTS_BENCH_PEER_H
-#define TESTS_BENCH_PEER_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -55,6 +54,4 @@ int peer_run(const struct peer *peer, char **arguments);
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

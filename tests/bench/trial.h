@@ -1,6 +1,5 @@
 /* Trial: one propagation from one source with chosen methods, timed and counted. */
-#ifndef TESTS_BENCH_TRIAL_H
-#define TESTS_BENCH_TRIAL_H
+#pragma once
 
 #include "wavefront/wavefront.h"
 
@@ -25,5 +24,3 @@ struct trial {
 
 /* Runs a trial. Ends the program on failure. */
 struct trial trial_run(const struct gd_mesh *mesh, const struct trial_request *request);
-
-#endif

@@ -1,7 +1,6 @@
 /* Allocator: replaces malloc and its relatives, mmap and mremap by functions that fail on order
  * when the engine calls them. The program is linked with --wrap. */
-#ifndef TESTS_FAULT_ALLOCATOR_H
-#define TESTS_FAULT_ALLOCATOR_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -36,5 +35,3 @@ struct allocator_live {
 };
 
 struct allocator_live allocator_live(void);
-
-#endif

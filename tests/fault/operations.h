@@ -1,7 +1,6 @@
 /* Operations: each is one call of the engine on prepared inputs, for the sweep of failing
  * allocations (alloc_engine.c). */
-#ifndef TESTS_FAULT_OPERATIONS_H
-#define TESTS_FAULT_OPERATIONS_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -52,5 +51,3 @@ struct operations {
 extern const struct operations file_operations, mesh_operations, field_operations, query_operations,
     curve_operations, line_operations, parametric_operations, limit_operations, json_operations,
     picture_operations, edit_operations;
-
-#endif

@@ -1,7 +1,6 @@
 /* Stacks: a set of call paths that have occurred, so that a test can make each of them fail once. A
  * set lies in shared memory, so threads and processes may share it. */
-#ifndef TESTS_FAULT_STACKS_H
-#define TESTS_FAULT_STACKS_H
+#pragma once
 
 #include <execinfo.h>
 #include <stdatomic.h>
@@ -55,5 +54,3 @@ static inline uint64_t stacks_here(void)
     }
     return key;
 }
-
-#endif

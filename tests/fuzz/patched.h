@@ -1,8 +1,7 @@
 /* Helpers of the fuzzers of stored images. Their input is a list of patches to a real image, so
  * that most of the image stays plausible. A patch has three bytes of offset and one byte of
  * value. */
-#ifndef FUZZ_PATCHED_H
-#define FUZZ_PATCHED_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -17,5 +16,3 @@ const struct gd_mesh *patched_surface(void);
  * size of the copy. An input that begins with 255 removes bytes from the end. */
 char *patched_copy(const void *image, size_t length, const uint8_t *data, size_t size,
                    size_t *left);
-
-#endif

@@ -1,7 +1,6 @@
 /* Invariants ("promises") that fuzzers check. A violation ends the run, and the fuzzer keeps the
  * input. */
-#ifndef FUZZ_PROMISE_H
-#define FUZZ_PROMISE_H
+#pragma once
 
 #include "proto/json/problem.h"
 #include "proto/json/writer.h"
@@ -13,5 +12,3 @@ void promise_json(struct proto_writer *writer);
 
 /* Checks that the problem has a detail sentence and is encoded as JSON. */
 void promise_sentence(const struct proto_problem *problem);
-
-#endif

@@ -1,7 +1,6 @@
 /* One fuzz target for each reader: FUZZ_READER(FORMAT) defines it completely. Its input is a file
  * of that format. */
-#ifndef FUZZ_READER_H
-#define FUZZ_READER_H
+#pragma once
 
 #include "gd/io.h"
 
@@ -15,5 +14,3 @@ int fuzz_reader(enum gd_format format, const uint8_t *data, size_t size);
     {                                                                                              \
         return fuzz_reader(GD_FORMAT_##FORMAT, data, size);                                        \
     }
-
-#endif

@@ -1,7 +1,6 @@
 /* A soup: polygons made from fuzzed bytes, with options for repair. Vertices lie on a coarse
  * lattice, so ties, flat parts and folds are frequent. */
-#ifndef FUZZ_SOUP_H
-#define FUZZ_SOUP_H
+#pragma once
 
 #include "gd/mesh.h"
 
@@ -25,5 +24,3 @@ void soup_read(const uint8_t *data, size_t size, struct soup *soup);
 
 /* Returns the mesh, or NULL if it is rejected. Checks that the rejection has a detail sentence. */
 struct gd_mesh *soup_build(struct soup *soup);
-
-#endif

@@ -1,8 +1,7 @@
 /* A C interface to CGAL's Surface_mesh_shortest_path (S. Kiazyk, S. Loriot, E. Colin de Verdiere;
  * the algorithm of Chen and Han 1990 with the filter of Xin and Wang 2009). It is an exact solver
  * that shares no code with the engine. Without CGAL (libcgal-dev) it is not available. */
-#ifndef TESTS_ORACLE_CGAL_DISTANCES_H
-#define TESTS_ORACLE_CGAL_DISTANCES_H
+#pragma once
 
 #include "tests/oracle/cgal_polyline.h"
 
@@ -29,6 +28,4 @@ bool cgal_surface_path(struct cgal_surface *surface, uint32_t vertex, struct pol
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -3,8 +3,7 @@
  *
  * When two solvers disagree on a distance, their paths decide. The shorter polyline proves that the
  * other distance is too long, whatever error either solver reports. */
-#ifndef TESTS_ORACLE_CGAL_POLYLINE_H
-#define TESTS_ORACLE_CGAL_POLYLINE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -38,6 +37,4 @@ long double polyline_length(const struct polyline *line, const struct gd_polygon
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -1,7 +1,6 @@
 /* Closed forms: exact geodesic distances on surfaces that unfold into a plane. They are distances
  * on the polyhedron, not on the round surface that it approximates. */
-#ifndef TESTS_ORACLE_CLOSED_FORMS_H
-#define TESTS_ORACLE_CLOSED_FORMS_H
+#pragma once
 
 #include <stdint.h>
 
@@ -28,5 +27,3 @@ double closed_form_prism(double radius, uint32_t sides, const double p[3], const
  * of them 0. The surface is the plane folded by half-turns about the points of a triangular
  * lattice. */
 double closed_form_tetrahedron(double edge, const double p[4], const double q[4]);
-
-#endif

@@ -11,8 +11,7 @@
  * A window lies in the plane with its source at the origin. It stores the images of the vertices
  * that limit it, and the edge as a vector. The image of a vertex at a distance of 1e-15 from the
  * source therefore keeps all of its digits. Suitable for some hundred faces. */
-#ifndef TESTS_ORACLE_NAIVE_WINDOWS_H
-#define TESTS_ORACLE_NAIVE_WINDOWS_H
+#pragma once
 
 #include <stdint.h>
 
@@ -58,5 +57,3 @@ long double naive_field_vertex_distance(const struct naive_field *field, uint32_
 
 /* Returns the number of propagated windows. */
 uint32_t naive_field_windows(const struct naive_field *field);
-
-#endif

@@ -1,7 +1,6 @@
 /* A C interface to OpenSubdiv's limit surfaces, an implementation that shares no code with the
  * engine. Without OpenSubdiv (libosd-dev) it is not available. */
-#ifndef TESTS_ORACLE_OPENSUBDIV_H
-#define TESTS_ORACLE_OPENSUBDIV_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -45,6 +44,4 @@ void opensubdiv_evaluate(const struct opensubdiv_surface *surface,
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

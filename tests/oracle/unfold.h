@@ -7,8 +7,7 @@
  * every point of the next edge, a path through the sequence is longer than a known path. Points
  * that are not vertices are inserted by splitting their face or edge, which changes no distance.
  * Suitable for some hundred faces. */
-#ifndef TESTS_ORACLE_UNFOLD_H
-#define TESTS_ORACLE_UNFOLD_H
+#pragma once
 
 #include <stdint.h>
 
@@ -28,5 +27,3 @@ uint32_t unfold_insert(struct unfold_mesh *mesh, uint32_t face, const double bar
 /* Computes distances from one vertex to all vertices. `out` has position_count + insertions
  * elements: INFINITY where there is no path. */
 void unfold_distances(struct unfold_mesh *mesh, uint32_t source, long double *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* Computes shortest paths in a plane among polygonal obstacles. Builds the visibility graph in
  * O(n^3), and then runs Dijkstra's algorithm. The orientation of any three points must be exact in
  * double precision. Coordinates should therefore be multiples of some 2^-k with few bits. */
-#ifndef TESTS_ORACLE_VISIBILITY_H
-#define TESTS_ORACLE_VISIBILITY_H
+#pragma once
 
 #include <stdint.h>
 
@@ -22,5 +21,3 @@ void visibility_free(struct visibility *visibility);
 
 /* Returns the length of the shortest path to a point outside all obstacles. O(n^2). */
 double visibility_distance(const struct visibility *visibility, const double target[2]);
-
-#endif

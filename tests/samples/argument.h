@@ -1,6 +1,5 @@
 /* Command-line arguments of samples: "key=value". */
-#ifndef TESTS_SAMPLES_ARGUMENT_H
-#define TESTS_SAMPLES_ARGUMENT_H
+#pragma once
 
 #include "tests/samples/samples.h"
 
@@ -10,5 +9,3 @@ void sample_defaults(const struct sample *sample, double values[SAMPLE_PARAMETER
  * with `program` to standard error and returns false. */
 bool sample_set(const char *program, const struct sample *sample, const char *argument,
                 double values[SAMPLE_PARAMETERS]);
-
-#endif

@@ -1,7 +1,6 @@
 /* Builder: collects the triangles of a mesh. A failed allocation is remembered and reported by
  * sample_finish, so that generators need no checks. */
-#ifndef TESTS_SAMPLES_BUILDER_H
-#define TESTS_SAMPLES_BUILDER_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -44,5 +43,3 @@ void sample_add_voxels(struct sample_builder *builder, const struct sample_voxel
 /* Moves the mesh to *out; the caller frees it by gd_polygons_free. If an allocation failed, frees
  * it and returns GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status sample_finish(struct sample_builder *builder, struct gd_polygons *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* A small deterministic random number generator (splitmix64). The same seed gives the same sample
  * on every machine. */
-#ifndef TESTS_SAMPLES_RANDOM_H
-#define TESTS_SAMPLES_RANDOM_H
+#pragma once
 
 #include <stdint.h>
 
@@ -34,5 +33,3 @@ static inline uint32_t rng_below(struct rng *rng, uint32_t count)
 {
     return (uint32_t)(((rng_next(rng) >> 32) * count) >> 32);
 }
-
-#endif

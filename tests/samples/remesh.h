@@ -1,7 +1,6 @@
 /* Remesh: replaces the triangulation of a closed surface. The new triangulation has a given number
  * of faces, and edge lengths of a given evenness. */
-#ifndef TESTS_SAMPLES_REMESH_H
-#define TESTS_SAMPLES_REMESH_H
+#pragma once
 
 #include "gd/polygons.h"
 #include "gd/status.h"
@@ -22,5 +21,3 @@ struct remeshing {
  * GD_NO_MEMORY. The mesh is lost on failure. */
 GD_MUST_USE enum gd_status sample_remesh(struct gd_polygons *mesh,
                                          const struct remeshing *remeshing, uint64_t seed);
-
-#endif

@@ -7,8 +7,7 @@
  * Every generator writes triangles to *out and returns GD_OK or GD_NO_MEMORY. The caller owns the
  * mesh. Triangles are counter-clockwise seen from outside, or from above. Parameters must be in the
  * ranges of the table. */
-#ifndef TESTS_SAMPLES_SAMPLES_H
-#define TESTS_SAMPLES_SAMPLES_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -128,5 +127,3 @@ struct sample_obstacles {
 GD_MUST_USE enum gd_status sample_obstacles(uint32_t count, uint32_t level, uint64_t seed,
                                             struct sample_obstacles *out);
 void sample_obstacles_free(struct sample_obstacles *obstacles);
-
-#endif

@@ -3,8 +3,7 @@
  * Slot s = 3 f + k of `corners` is the half-edge from corner k of face f to the next corner. The
  * `twin` of a slot is the other half-edge of its edge. Removed faces and vertices stay in the
  * arrays until surface_finish. */
-#ifndef TESTS_SAMPLES_SURFACE_H
-#define TESTS_SAMPLES_SURFACE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -67,5 +66,3 @@ bool surface_collapse(struct surface *surface, uint32_t slot);
 /* Replaces the slot's edge by the other diagonal of its two faces. Returns false and changes
  * nothing if this diagonal is an edge already, or if a corner would have fewer than three faces. */
 bool surface_flip(struct surface *surface, uint32_t slot);
-
-#endif

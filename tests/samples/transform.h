@@ -1,7 +1,6 @@
 /* Transforms: changes of a triangle mesh that preserve distances, scale them, or change them by
  * another known law. All work in place. */
-#ifndef TESTS_SAMPLES_TRANSFORM_H
-#define TESTS_SAMPLES_TRANSFORM_H
+#pragma once
 
 #include "gd/polygons.h"
 #include "gd/status.h"
@@ -36,5 +35,3 @@ GD_MUST_USE enum gd_status sample_subdivide(struct gd_polygons *mesh);
 
 /* Appends the vertices and triangles of another mesh. GD_NO_MEMORY: nothing is changed. */
 GD_MUST_USE enum gd_status sample_append(struct gd_polygons *mesh, const struct gd_polygons *other);
-
-#endif

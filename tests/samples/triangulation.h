@@ -1,8 +1,7 @@
 /* Triangulation: constrained Delaunay triangulation of points with integer coordinates in a
  * rectangle. All predicates are exact and need no tolerance. Suitable for some thousand points,
  * because searches are linear. */
-#ifndef TESTS_SAMPLES_TRIANGULATION_H
-#define TESTS_SAMPLES_TRIANGULATION_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -31,5 +30,3 @@ uint32_t triangulation_insert(struct triangulation *triangulation, int64_t x, in
 /* Makes a-b an edge. It must not cross another constraint or pass through a point. Returns false if
  * out of memory. */
 bool triangulation_constrain(struct triangulation *triangulation, uint32_t a, uint32_t b);
-
-#endif

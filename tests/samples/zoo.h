@@ -3,8 +3,7 @@
  *
  * The comment of each maker function begins with the names of its parameters. `values` has the
  * parameters in this order. Every maker returns GD_OK or GD_NO_MEMORY. */
-#ifndef TESTS_SAMPLES_ZOO_H
-#define TESTS_SAMPLES_ZOO_H
+#pragma once
 
 #include "gd/polygons.h"
 #include "gd/status.h"
@@ -81,5 +80,3 @@ zoo_maker zoo_assembly;
 /* columns, length: a fine grid of size 1, and one more face at its side; the tip of this face is at
  * x = length. */
 zoo_maker zoo_spike;
-
-#endif

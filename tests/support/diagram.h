@@ -1,7 +1,6 @@
 /* Diagram: builds Voronoi diagrams and checks the properties of all Voronoi diagrams. A failed
  * check fails the running test. */
-#ifndef TESTS_SUPPORT_DIAGRAM_H
-#define TESTS_SUPPORT_DIAGRAM_H
+#pragma once
 
 #include "gd/voronoi.h"
 #include "tests/support/test.h"
@@ -53,5 +52,3 @@ double diagram_length(const struct diagram *diagram);
  * on the boundary or where three bisectors end. Checks that labels name nearest members. Checks
  * that a bisector crosses an edge where the nearest member changes. */
 void check_diagram(const struct diagram *diagram);
-
-#endif

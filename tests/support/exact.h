@@ -3,8 +3,7 @@
  *
  * Points are passed from the engine to the solver as gd_point_describe returns them. Both therefore
  * compute with the same point, even if the engine has snapped it. */
-#ifndef TESTS_SUPPORT_EXACT_H
-#define TESTS_SUPPORT_EXACT_H
+#pragma once
 
 #include "gd/field.h"
 #include "tests/oracle/naive_windows.h"
@@ -90,5 +89,3 @@ double exact_error(struct exact_truth *truth, const struct gd_point *point, doub
 /* Returns the difference of two distances relative to the larger distance, or 0 if both are
  * infinite. */
 double exact_relative(double a, double b);
-
-#endif

@@ -10,8 +10,7 @@
  *                                           prints the distances of the engine and the solver
  *
  * A point is v:VERTEX, e:FROM,TO,T or f:FACE,W0,W1,W2. */
-#ifndef TESTS_SUPPORT_EXACT_RUN_H
-#define TESTS_SUPPORT_EXACT_RUN_H
+#pragma once
 
 #include "tests/support/exact.h"
 
@@ -72,5 +71,3 @@ void exact_failure(struct exact_unit *unit, const char *call, enum gd_status sta
 void exact_law(struct exact_unit *unit, const struct gd_point *point, double answered,
                double expected, double excess);
 void exact_conclude(struct exact_unit *unit, struct exact_tally *tally);
-
-#endif

@@ -1,6 +1,5 @@
 /* Field: builds fields and computes distances for tests. Any error fails the test. */
-#ifndef TESTS_SUPPORT_FIELD_H
-#define TESTS_SUPPORT_FIELD_H
+#pragma once
 
 #include "gd/curve.h"
 #include "gd/field.h"
@@ -17,5 +16,3 @@ double test_distance(const struct gd_field *field, const struct gd_point *point)
 
 /* Returns the Euclidean distance of p from the segment between a and b. */
 double test_distance_to_segment(struct gd_vec3 p, struct gd_vec3 a, struct gd_vec3 b);
-
-#endif

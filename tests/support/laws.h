@@ -1,7 +1,6 @@
 /* Laws of geodesic distances on any surface. A violation by more than 1e-9 fails the running test.
  * Functions that return a double, except law_distance, return the largest relative error. */
-#ifndef TESTS_SUPPORT_LAWS_H
-#define TESTS_SUPPORT_LAWS_H
+#pragma once
 
 #include "tests/support/test.h"
 
@@ -20,5 +19,3 @@ double law_path(const struct gd_mesh *mesh, const struct gd_polygons *polygons, 
 /* Checks that the distance from p changes along every edge by at most the edge's length. */
 void law_lipschitz(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
                    struct gd_point p);
-
-#endif

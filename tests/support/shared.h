@@ -1,8 +1,7 @@
 /* Shared: optional test meshes from other projects, in the folder GEODESICD_SHARED (default:
  * ../shared beside the project). Without the folder a test that uses it prints a line and is
  * skipped. */
-#ifndef TESTS_SUPPORT_SHARED_H
-#define TESTS_SUPPORT_SHARED_H
+#pragma once
 
 #include <stddef.h>
 
@@ -20,5 +19,3 @@ struct gd_polygons test_shared_polygons(const char *name);
 
 /* Reads a mesh and separates its non-manifold parts. The caller releases it. */
 struct gd_mesh *test_shared_mesh(const char *name);
-
-#endif

@@ -1,8 +1,7 @@
 /* Declarations that the engine's tests share: cmocka, comparison by relative error, and points of a
  * mesh in a form that the engine, the oracles and the closed forms all use. The environment
  * variable GEODESICD_CPU selects the kernels (gd/cpu.h). */
-#ifndef TESTS_SUPPORT_TEST_H
-#define TESTS_SUPPORT_TEST_H
+#pragma once
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -68,5 +67,3 @@ struct gd_point test_point_near(const struct gd_mesh *mesh, double x, double y,
 /* Returns the file's bytes, which end with a NUL and which the caller frees. Returns NULL if the
  * file can't be read. */
 char *test_read_file(const char *path, size_t *size);
-
-#endif

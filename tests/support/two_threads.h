@@ -1,6 +1,5 @@
 /* An executor of two threads, for tests. */
-#ifndef TESTS_SUPPORT_TWO_THREADS_H
-#define TESTS_SUPPORT_TWO_THREADS_H
+#pragma once
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -35,5 +34,3 @@ static inline void two_threads_execute(void *user, void (*task)(void *context, u
 }
 
 static const struct gd_executor two_threads = {.width = 2, .run = two_threads_execute};
-
-#endif

@@ -1,6 +1,5 @@
 /* Watch: a progress callback for tests of long calls. */
-#ifndef TESTS_SUPPORT_WATCH_H
-#define TESTS_SUPPORT_WATCH_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -17,5 +16,3 @@ bool test_watch(void *user, double fraction);
 
 /* Callback that cancels at once. `user` is ignored. */
 bool test_cancel(void *user, double fraction);
-
-#endif

@@ -1,6 +1,5 @@
 /* Smooth surfaces: code shared by the queries on NURBS and on subdivision surfaces. */
-#ifndef SERVER_API_SMOOTH_SMOOTH_H
-#define SERVER_API_SMOOTH_SMOOTH_H
+#pragma once
 
 #include <jansson.h>
 
@@ -28,5 +27,3 @@ bool server_smooth_place(const char *text, json_t **out);
  * queries share. Decodes this body. A problem names the parameter. */
 bool server_smooth_parse(struct server_query *query, const struct proto_parameters *parameters,
                          const struct server_smooth_ends *ends);
-
-#endif

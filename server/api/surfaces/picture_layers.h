@@ -4,8 +4,7 @@
  * DESIGN. A layer whose kind is an operation ("trace") is a *part*: a query of that operation,
  * which runs the steps of a single request (query.h) and keeps its answer as arrays. Its lines are
  * the arrays "points" and "first" of that answer, which all operations with lines have. */
-#ifndef SERVER_API_SURFACES_PICTURE_LAYERS_H
-#define SERVER_API_SURFACES_PICTURE_LAYERS_H
+#pragma once
 
 #include "proto/values/domain_curve.h"
 #include "server/api/surfaces/picture_surface.h"
@@ -74,5 +73,3 @@ bool server_control_net_draw(struct server_picture_layers *layers, struct server
  * piece_vertices, piece_corners. On failure returns false with the problem. */
 bool server_pieces_draw(struct server_picture_layers *layers, struct server_query *query,
                         uint32_t i, const struct server_arrays *arrays);
-
-#endif

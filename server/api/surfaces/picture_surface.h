@@ -1,8 +1,7 @@
 /* Picture surface: the mesh that a figure shows. For a mesh, this is the mesh itself, or the pieces
  * of a cut. For a smooth surface, it is a mesh that approximates the surface; the exact field of
  * this mesh approximates the field of the surface. */
-#ifndef SERVER_API_SURFACES_PICTURE_SURFACE_H
-#define SERVER_API_SURFACES_PICTURE_SURFACE_H
+#pragma once
 
 #include "proto/queries/picture.h"
 #include "server/fields/discretizations.h"
@@ -30,5 +29,3 @@ bool server_picture_surface_decode(struct server_picture_surface *surface,
 bool server_picture_surface_open(struct server_picture_surface *surface, struct server_query *query,
                                  double share);
 void server_picture_surface_close(struct server_picture_surface *surface);
-
-#endif

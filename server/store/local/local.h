@@ -13,8 +13,7 @@
  * INVARIANT. An object is durable before the manifest that names it, the manifest before the row,
  * the row before the answer. A delete removes them in the opposite order. So a readable manifest is
  * never older than its row. */
-#ifndef SERVER_STORE_LOCAL_LOCAL_H
-#define SERVER_STORE_LOCAL_LOCAL_H
+#pragma once
 
 #include "server/store/sql.h"
 
@@ -186,5 +185,3 @@ enum server_outcome server_sqlite_outcome(int code);
  * fails. */
 enum server_outcome server_sqlite_migrate(struct sqlite3 *connection, const char *const *steps,
                                           int version, const char *copy_path);
-
-#endif

@@ -20,8 +20,7 @@
  *
  * Thread-safe, but calls block, so HTTP threads must not make them. Messages of libpq omit the
  * password. */
-#ifndef SERVER_STORE_POSTGRES_CONNECTION_H
-#define SERVER_STORE_POSTGRES_CONNECTION_H
+#pragma once
 
 #include "server/store/sql.h"
 
@@ -107,5 +106,3 @@ uint64_t server_pg_chunks(const struct server_object *object);
 /* Makes or migrates the tables, one process at a time. Returns PRECONDITION if a later version of
  * the daemon made them. */
 enum server_outcome server_pg_migrate(struct server_pg_pool *pool);
-
-#endif

@@ -1,7 +1,6 @@
 /* Helpers of the tests of engine/cut. They make a cut, build its pieces by the ordinary builder,
  * and check the properties of every cut. */
-#ifndef TESTS_UNIT_CUT_CUTTING_H
-#define TESTS_UNIT_CUT_CUTTING_H
+#pragma once
 
 #include <math.h>
 #include <stdlib.h>
@@ -298,5 +297,3 @@ static inline void check_cutting(const struct gd_mesh *mesh, const struct cuttin
                      whole->euler_characteristic + (int64_t)seam.edges - (int64_t)seam.vertices);
     assert_int_equal(cutting->cut.separates, cutting->cut.piece_count > whole->components);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* The C++ part of test_edit_mesh.c. Each function returns the first violated law, or NULL if all
  * laws hold. */
-#ifndef TESTS_UNIT_EDIT_EDIT_MESH_LAWS_H
-#define TESTS_UNIT_EDIT_EDIT_MESH_LAWS_H
+#pragma once
 
 #include "gd/edit.h"
 
@@ -23,6 +22,4 @@ const char *edit_mesh_check_guard(void);
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -1,6 +1,5 @@
 /* Helpers of the tests of edit, and checks of the properties of every edit. */
-#ifndef TESTS_UNIT_EDIT_EDITS_H
-#define TESTS_UNIT_EDIT_EDITS_H
+#pragma once
 
 #include <math.h>
 #include <stdlib.h>
@@ -113,5 +112,3 @@ static inline bool edited_equal(const struct gd_edited *a, const struct gd_edite
            memcmp(p->positions, q->positions, p->position_count * sizeof *p->positions) == 0 &&
            memcmp(p->corners, q->corners, 3 * p->polygon_count * sizeof *p->corners) == 0;
 }
-
-#endif

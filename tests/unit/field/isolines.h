@@ -1,7 +1,6 @@
 /* Helpers of the tests of isolines. They trace an isoline and check the properties of every
  * line. */
-#ifndef TESTS_UNIT_FIELD_ISOLINES_H
-#define TESTS_UNIT_FIELD_ISOLINES_H
+#pragma once
 
 #include <math.h>
 #include <stdlib.h>
@@ -112,5 +111,3 @@ static inline struct gd_isoline trace(const struct gd_field *field, double level
     check_isoline(field, &isoline);
     return isoline;
 }
-
-#endif

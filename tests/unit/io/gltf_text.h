@@ -1,7 +1,6 @@
 /* Makes glTF documents for tests: unchanged documents, documents with one replaced text, and GLB
  * files. In the texts of the tests, ' stands for ". */
-#ifndef TESTS_UNIT_IO_GLTF_TEXT_H
-#define TESTS_UNIT_IO_GLTF_TEXT_H
+#pragma once
 
 #include "io/base64.h"
 #include "tests/unit/io/reading.h"
@@ -92,5 +91,3 @@ static inline void check_file(struct file file, const char *mesh)
     gd_polygons_free(&polygons);
     free(file.bytes);
 }
-
-#endif

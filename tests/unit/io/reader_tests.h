@@ -1,7 +1,6 @@
 /* Tests that are the same for every reader. They use tables of valid and invalid input, and
  * truncated input. */
-#ifndef TESTS_UNIT_IO_READER_TESTS_H
-#define TESTS_UNIT_IO_READER_TESTS_H
+#pragma once
 
 #include "tests/unit/io/reading.h"
 
@@ -36,5 +35,3 @@ static void survives_truncation(void **state)
     cmocka_unit_test_prestate(reads_good_input, reader),                                           \
         cmocka_unit_test_prestate(refuses_bad_input, reader),                                      \
         cmocka_unit_test_prestate(survives_truncation, reader)
-
-#endif

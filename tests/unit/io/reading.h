@@ -2,8 +2,7 @@
  *
  * Meshes are compared as text in the form "x y z; x y z | i j k; i j k l". Vertices are before the
  * bar, and polygons are after it. */
-#ifndef TESTS_UNIT_IO_READING_H
-#define TESTS_UNIT_IO_READING_H
+#pragma once
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -171,5 +170,3 @@ static inline void check_truncations(enum gd_format format, const struct good_in
         }
     }
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Makes zip archives of stored (uncompressed) files for tests. */
-#ifndef TESTS_UNIT_IO_ZIP_TEXT_H
-#define TESTS_UNIT_IO_ZIP_TEXT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -90,5 +89,3 @@ static inline void zip_write(const struct zip_file files[ZIP_FILES], struct zip_
     zip_put(out, directory, 4);
     zip_put(out, 0, 2);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Small meshes, and checks that the tests of meshes share. */
-#ifndef TESTS_UNIT_MESH_SHAPES_H
-#define TESTS_UNIT_MESH_SHAPES_H
+#pragma once
 
 #include <math.h>
 #include <stdarg.h>
@@ -138,5 +137,3 @@ static inline void expect_near(double actual, double expected, double tolerance)
             (a), (b)                                                                               \
         }                                                                                          \
     }
-
-#endif

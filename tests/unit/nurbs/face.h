@@ -1,8 +1,7 @@
 /* A human face after the second experiment of W.-H. Chen, "Improvement of the shortest path problem
  * with geodesic-like method": the front of a head as one bicubic B-spline with brow, sockets, nose,
  * lips and chin, and the outlines of two holes for the eyes. Lengths are similar to the paper's. */
-#ifndef TESTS_UNIT_NURBS_FACE_H
-#define TESTS_UNIT_NURBS_FACE_H
+#pragma once
 
 #include <math.h>
 
@@ -84,5 +83,3 @@ static inline enum gd_status face_eye(const struct gd_parametric *face, int side
 {
     return face_outline(face, side ? 0.73 : 0.28, side ? 0.64 : 0.66, 0.1, 0.055, out);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* A surface with its tessellation, and shortest paths on the surface. */
-#ifndef TESTS_UNIT_NURBS_SCENE_H
-#define TESTS_UNIT_NURBS_SCENE_H
+#pragma once
 
 #include "gd/geodesic_like.h"
 #include "tests/unit/nurbs/surfaces.h"
@@ -53,5 +52,3 @@ static inline struct gd_domain_curve *polyline_of(const struct gd_parametric *su
              &detail);
     return curve;
 }
-
-#endif

@@ -2,8 +2,7 @@
  * of Dormand and Prince with step control. Newton's method adjusts direction and length until the
  * geodesic reaches a given point. This code shares nothing with the engine's solver and is
  * therefore an independent reference for lengths. */
-#ifndef TESTS_UNIT_NURBS_SHOOTING_H
-#define TESTS_UNIT_NURBS_SHOOTING_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -236,5 +235,3 @@ static inline bool shoot_between(const struct gd_domain_curve *from,
     }
     return false;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Surfaces that the tests share: NURBS of known shapes (torus, sphere, cylinder, cone) and
  * free-form NURBS. The caller releases them. */
-#ifndef TESTS_UNIT_NURBS_SURFACES_H
-#define TESTS_UNIT_NURBS_SURFACES_H
+#pragma once
 
 #include <math.h>
 #include <stdlib.h>
@@ -235,5 +234,3 @@ static inline struct gd_domain_curve *loop_at(const struct gd_parametric *surfac
              &detail);
     return curve;
 }
-
-#endif

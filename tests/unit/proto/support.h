@@ -1,7 +1,6 @@
 /* Helpers of the tests of proto: query strings, checks of written text and of problems, and a
  * mesh. */
-#ifndef TESTS_UNIT_PROTO_SUPPORT_H
-#define TESTS_UNIT_PROTO_SUPPORT_H
+#pragma once
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -128,5 +127,3 @@ static inline struct gd_mesh *new_tetrahedron(void)
     assert_int_equal(gd_mesh_build(&polygons, NULL, NULL, &mesh, NULL), GD_OK);
     return mesh;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* A PNG decoder for the tests of pictures. It shares no code with the PNG writer. */
-#ifndef TESTS_UNIT_RENDER_PIXELS_H
-#define TESTS_UNIT_RENDER_PIXELS_H
+#pragma once
 
 #include <stdlib.h>
 #include <string.h>
@@ -96,5 +95,3 @@ static inline const uint8_t *pixel_at(const struct pixels *pixels, uint32_t x, u
     assert_true(x < pixels->width && y < pixels->height);
     return pixels->byte + ((size_t)y * pixels->width + x) * pixels->channels;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Helpers of the tests of the cache: a cache with one mesh cache, and requests for the fields of
  * two points. */
-#ifndef TESTS_UNIT_SERVER_CACHED_FIELDS_H
-#define TESTS_UNIT_SERVER_CACHED_FIELDS_H
+#pragma once
 
 #include "support.h"
 
@@ -104,5 +103,3 @@ static inline bool has_set(struct fixture *fixture, const struct gd_field_reques
     server_cache_unpin(cached);
     return cached != NULL;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Runs parts of a test in a child process. */
-#ifndef TESTS_UNIT_SERVER_CHILD_H
-#define TESTS_UNIT_SERVER_CHILD_H
+#pragma once
 
 #include <errno.h>
 #include <stdio.h>
@@ -26,5 +25,3 @@ enum { FINE, WRONG = 10, SKIPPED = 77 };
             _exit(WRONG);                                                                          \
         }                                                                                          \
     } while (0)
-
-#endif

@@ -1,7 +1,6 @@
 /* A daemon without a network: requests pass through router, handlers, workers and the registry's
  * writer, one at a time, and the test gets the answers. */
-#ifndef TESTS_UNIT_SERVER_DAEMON_H
-#define TESTS_UNIT_SERVER_DAEMON_H
+#pragma once
 
 #include "support.h"
 
@@ -173,5 +172,3 @@ static inline unsigned daemon_status(struct daemon_request request)
     server_exchange_destroy(exchange);
     return status;
 }
-
-#endif

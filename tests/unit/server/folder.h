@@ -1,6 +1,5 @@
 /* A folder for one test. */
-#ifndef TESTS_UNIT_SERVER_FOLDER_H
-#define TESTS_UNIT_SERVER_FOLDER_H
+#pragma once
 
 #include "records.h"
 
@@ -40,5 +39,3 @@ static inline bool folder_each(const char *folder,
     while (server_listing_next(&listing)) visit(user, listing.path, listing.name);
     return listing.is_readable;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Makes records for tests, equal to the records that uploads make. */
-#ifndef TESTS_UNIT_SERVER_RECORDS_H
-#define TESTS_UNIT_SERVER_RECORDS_H
+#pragma once
 
 #include "support.h"
 
@@ -39,5 +38,3 @@ static inline struct server_record *new_record(const char *name, const char *byt
 {
     return new_record_of(mesh_key(name), MESH_OPTIONS, bytes, NULL);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Helpers of the tests of server: meshes, fields, and jobs that record how they end. */
-#ifndef TESTS_UNIT_SERVER_SUPPORT_H
-#define TESTS_UNIT_SERVER_SUPPORT_H
+#pragma once
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -95,5 +94,3 @@ static inline void ask_often(struct server_mesh_cache *fields, const struct gd_p
 {
     for (int i = 0; i < SERVER_CACHE_SEARCHES; i++) server_cache_note(fields, source);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Control meshes for the tests of subdivision surfaces. */
-#ifndef TESTS_UNIT_SUBDIV_SURFACES_H
-#define TESTS_UNIT_SUBDIV_SURFACES_H
+#pragma once
 
 #include <math.h>
 #include <stdio.h>
@@ -103,5 +102,3 @@ static inline void check_near(struct gd_vec3 actual, double x, double y, double 
     if (!(off <= absolute))
         fail_msg("(%.15g,%.15g,%.15g) is off by %g", actual.x, actual.y, actual.z, off);
 }
-
-#endif

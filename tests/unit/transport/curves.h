@@ -1,6 +1,5 @@
 /* Helpers of the tests of operations on curves. */
-#ifndef TESTS_UNIT_TRANSPORT_CURVES_H
-#define TESTS_UNIT_TRANSPORT_CURVES_H
+#pragma once
 
 #include "tests/unit/transport/lines.h"
 
@@ -31,5 +30,3 @@ static inline void check_curve(const struct gd_mesh *mesh, const struct gd_curve
         assert_true(gd_locate_distance(mesh, middle, &foot) <= 1e-12 * size);
     }
 }
-
-#endif

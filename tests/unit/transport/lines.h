@@ -1,6 +1,5 @@
 /* Helpers of the tests of engine/transport. */
-#ifndef TESTS_UNIT_TRANSPORT_LINES_H
-#define TESTS_UNIT_TRANSPORT_LINES_H
+#pragma once
 
 #include "tests/support/test.h"
 
@@ -123,5 +122,3 @@ static inline struct gd_direction random_direction(const struct gd_mesh *mesh,
     }
     return direction;
 }
-
-#endif

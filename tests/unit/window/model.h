@@ -1,7 +1,6 @@
 /* Makes random windows, and the model with which lists are compared. The model has, at each
  * parameter, the minimum over all offered windows. */
-#ifndef TESTS_UNIT_WINDOW_MODEL_H
-#define TESTS_UNIT_WINDOW_MODEL_H
+#pragma once
 
 #include "tests/support/test.h"
 
@@ -96,5 +95,3 @@ static inline void load_windows(const struct gd__windows *from, uint32_t count,
     out->count = 0;
     gd__stack_load(out, from, 0, count);
 }
-
-#endif
