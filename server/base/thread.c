@@ -72,6 +72,13 @@ void server_pause(uint64_t ns)
     while (nanosleep(&rest, &rest) != 0) continue;
 }
 
+uint64_t server_thread_cpu_ns(void)
+{
+    struct timespec cpu;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &cpu);
+    return (uint64_t)cpu.tv_sec * SECOND_NS + (uint64_t)cpu.tv_nsec;
+}
+
 static uint64_t time_after(uint64_t ns)
 {
     uint64_t now = gd_now_ns();

@@ -64,6 +64,9 @@ bool server_thread_stop_within(struct server_thread *thread, uint64_t ns);
 /* Blocks the calling thread for that time. */
 void server_pause(uint64_t ns);
 
+/* Returns the processor time of the calling thread, in nanoseconds. */
+uint64_t server_thread_cpu_ns(void);
+
 /* Waits until the condition is signalled, or until a time on the clock of gd_now_ns;
  * SERVER_THREAD_FOREVER means no limit. The caller holds the lock. Returns false at a timeout. */
 bool server_condition_wait(pthread_cond_t *condition, pthread_mutex_t *lock, uint64_t until_ns);

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "server/base/thread.h"
 #include "server/exchange/events.h"
 
 #define TARGET_MOST 8192 /* bytes */
@@ -159,6 +160,9 @@ static bool on_progress(void *user, double fraction)
     double share = monitor->share > 0 ? monitor->share : 1;
     if (transport->report) transport->report(exchange, monitor->begun + share * fraction);
     if (!server_workers_go_on(exchange->host->workers)) return false;
+    monitor->is_over_limit =
+        monitor->cpu_limit_ns && server_thread_cpu_ns() > monitor->cpu_limit_ns;
+    if (monitor->is_over_limit) return false;
     return !transport->is_gone(exchange) || (monitor->build && monitor->is_awaited(monitor->build));
 }
 

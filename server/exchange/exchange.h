@@ -315,5 +315,9 @@ struct server_monitor {
     /* the call is the part [begun, begun + share] of the exchange's progress; share 0 means all */
     double begun, share;
     uint64_t limit_ns; /* an earlier deadline, for this call only; 0 means none */
+    /* The call ends early when the processor time of its thread exceeds this limit; 0 means none.
+     * `is_over_limit` is then set. */
+    uint64_t cpu_limit_ns;
+    bool is_over_limit;
 };
 struct gd_control server_exchange_control(struct server_monitor *monitor);

@@ -167,7 +167,8 @@ enum gd_status server_query_build_field(struct server_query *query, struct serve
     query->field.build = NULL;
     enum gd_status status = field_make(query, &part, &field);
     *out = NULL;
-    if (status == GD_DEADLINE && gd_now_ns() < query->exchange->job.deadline_ns) {
+    bool is_early = status == GD_DEADLINE && gd_now_ns() < query->exchange->job.deadline_ns;
+    if (part.is_over_limit || is_early) {
         server_cache_abandon(pending);
         status = GD_BUDGET;
     } else if (status)

@@ -3,7 +3,6 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "gd/control.h"
 #include "server/base/thread.h"
@@ -88,10 +87,8 @@ bool server_workers_go_on(struct server_workers *workers)
     static _Thread_local uint64_t updated_ns;
     uint64_t now_ns = gd_now_ns();
     if (now_ns - updated_ns >= UPDATE_NS) {
-        struct timespec cpu;
-        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &cpu);
-        uint64_t cpu_ns = (uint64_t)cpu.tv_sec * 1000000000 + (uint64_t)cpu.tv_nsec;
-        server_worker_set_idle(server_priority_update(&own.priority, now_ns, cpu_ns));
+        server_worker_set_idle(
+            server_priority_update(&own.priority, now_ns, server_thread_cpu_ns()));
         updated_ns = now_ns;
     }
     return !server_workers_cancelled(workers);

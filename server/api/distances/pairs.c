@@ -10,6 +10,7 @@
 #include <math.h>
 
 #include "proto/queries/pair.h"
+#include "server/base/thread.h"
 #include "server/exchange/metrics.h"
 #include "server/fields/cache.h"
 #include "server/query/query.h"
@@ -20,7 +21,8 @@
 /* Ten times the cost of a field on most meshes. If less time is left until the deadline, the pair
  * is searched. */
 #define PATIENCE_NS_AN_EDGE 10000
-/* A build that takes longer is abandoned, because searches are faster on such meshes. */
+/* A build that takes more processor time is abandoned, because searches are faster on such meshes.
+ * It is also abandoned after half of the time until the deadline. */
 #define BUILD_NS         1000000000
 #define BUILD_NS_AN_EDGE 5000
 #define WHAT             "the search"
@@ -166,7 +168,8 @@ static enum server_query_turn leg_build(struct pair_query *pair)
     const struct server_cached *cached;
     query->field.request = (struct gd_field_request){.seeds = &pair->source, .seed_count = 1};
     struct server_monitor monitor = leg_monitor(pair);
-    monitor.limit_ns = gd_now_ns() + BUILD_NS + BUILD_NS_AN_EDGE * edge_count(pair);
+    monitor.limit_ns = gd_now_ns() / 2 + query->exchange->job.deadline_ns / 2;
+    monitor.cpu_limit_ns = server_thread_cpu_ns() + BUILD_NS + BUILD_NS_AN_EDGE * edge_count(pair);
     enum gd_status status = server_query_build_field(query, monitor, &cached);
     if (!status) return leg_answer(pair, cached);
     if (status == GD_DEADLINE || status == GD_CANCELLED)

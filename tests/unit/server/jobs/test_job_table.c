@@ -146,6 +146,25 @@ static void report(struct server_exchange *exchange)
     server_exchange_defer(exchange, report_in_parts, NULL);
 }
 
+/* Makes progress within a limit on processor time, and then beyond a limit. */
+static bool report_with_a_limit(struct server_exchange *exchange)
+{
+    struct server_monitor monitor = {.exchange = exchange, .cpu_limit_ns = UINT64_MAX};
+    struct gd_control control = server_exchange_control(&monitor);
+    assert_int_equal(gd_control_check(&control, 0.25), GD_OK);
+    assert_false(monitor.is_over_limit);
+    monitor.cpu_limit_ns = 1;
+    assert_int_equal(gd_control_check(&control, 0.5), GD_CANCELLED);
+    assert_true(monitor.is_over_limit);
+    reply(exchange);
+    return true;
+}
+
+static void report_limited(struct server_exchange *exchange)
+{
+    server_exchange_defer(exchange, report_with_a_limit, NULL);
+}
+
 /* Runs in the thread that starts the job. */
 static void look_at_the_request(struct server_exchange *exchange)
 {
@@ -309,6 +328,14 @@ static void progress_never_falls(void **state)
         assert_true(server_deferred_job_describe(job).progress == expected[i]);
         sem_post(&hold);
     }
+    wait_for(job, PROTO_JOB_DONE);
+    server_deferred_job_release(job);
+}
+
+static void a_call_ends_at_its_limit_of_processor_time(void **state)
+{
+    (void)state;
+    struct server_deferred_job *job = start(report_limited);
     wait_for(job, PROTO_JOB_DONE);
     server_deferred_job_release(job);
 }
@@ -562,6 +589,7 @@ int main(void)
         TEST(a_job_receives_the_whole_request),
         TEST(states_follow_the_workers),
         TEST(progress_never_falls),
+        TEST(a_call_ends_at_its_limit_of_processor_time),
         TEST(a_waiting_job_is_cancelled_without_a_worker),
         TEST(a_running_job_is_stopped_and_its_answer_dropped),
         TEST(ended_jobs_are_dropped_in_time),
