@@ -135,7 +135,7 @@ static void heap_trim_run(void *user, struct server_thread *thread)
     while (server_thread_pause(thread, TRIM_NS)) malloc_trim(0);
 }
 
-/* Prepares memory for the next field, at idle priority. Otherwise a build would spend a large part
+/* Prepares memory for the next fields, at idle priority. Otherwise a build would spend a large part
  * of its time on clearing new memory, especially in virtual machines. */
 static void spare_run(void *user, struct server_thread *thread)
 {

@@ -11,7 +11,6 @@
 #define STEP   ((size_t)256 << 10) /* smallest number of bytes charged to the budget at a time */
 #define LEAST  ((size_t)4 << 20)
 #define SPARES 8
-#define AHEAD  2 /* gd__region_prepare prepares at most this many spares */
 
 static size_t region_up(size_t size, size_t unit)
 {
@@ -198,7 +197,7 @@ static struct gd__kept spare_wanted(void)
 {
     struct gd__kept wanted = {0};
     pthread_mutex_lock(&lock);
-    if (spare_count < AHEAD && spare_bytes + latest.bytes <= spare_limit) wanted = latest;
+    if (spare_count < SPARES && spare_bytes + latest.bytes <= spare_limit) wanted = latest;
     pthread_mutex_unlock(&lock);
     return wanted;
 }

@@ -55,6 +55,6 @@ size_t gd__region_spare(void);
 
 /* Prepares memory for a later region: as many bytes as the last closed region used. Accesses them,
  * so that the system provides the memory now. Keeps it as spare memory. Does nothing and returns
- * false in three cases: no region was closed yet, the limit would be exceeded, or there is enough
- * spare memory for two such regions. Thread-safe. */
+ * false if no region was closed yet, if the limit would be exceeded, or if there are eight spares
+ * already. Thread-safe. */
 bool gd__region_prepare(void);
