@@ -108,23 +108,38 @@ class Lanes(TestCase):
     def test_another_request_builds_if_the_builder_is_late(self):
         """One request is to build a field, and waits for the worker. More requests than the queue
         holds wait for this build. When the deadline of the first request passes, another request
-        builds the field."""
-        self.daemon.ask_often("square", "v:1")
-        url = "/v1/meshes/square/distance?from=v:1&to=v:3"
+        builds the field. If the other requests arrive too late, as on a busy machine, this is
+        repeated with a later deadline."""
+        self.assertTrue(any(self.another_request_built(timeout_ms) for timeout_ms in (80, 160, 320, 640)))
+
+    def another_request_built(self, timeout_ms):
+        """Returns False if the requests did not arrive between the begin and the deadline of the
+        build."""
+        name = f"square{timeout_ms}"
+        self.daemon.put(name, SQUARE)
+        self.daemon.ask_often(name, "v:1")
+        url = f"/v1/meshes/{name}/distance?from=v:1&to=v:3"
         builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
         with concurrent.futures.ThreadPoolExecutor(7) as pool:
-            slow = pool.submit(self.ask_for_a_field, 700)
+            slow = pool.submit(self.ask_for_a_field, 700 + timeout_ms)
             while self.daemon.metric("cache_builds_total") == builds:
                 self.assertFalse(slow.done(), "too fast to watch")
-            hasty = pool.submit(self.daemon.get, url + "&timeout_ms=80")
+            hasty = pool.submit(self.daemon.get, url + f"&timeout_ms={timeout_ms}")
             while self.daemon.metric("cache_builds_total") == builds + 1:
                 self.assertFalse(slow.done(), "too fast to watch")
             patient = [pool.submit(self.daemon.get, url) for _ in range(5)]
-            self.assert_problem(hasty.result(), 504, "deadline_exceeded")
-            self.assertFalse(slow.done(), "too fast to watch")
-            self.assertEqual([future.result().status for future in (slow, *patient)], [200] * 6)
-        self.assertEqual(self.daemon.metric("cache_waits_total") - waits, 5)
-        self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 3)
+            while not (all_wait := self.daemon.metric("cache_waits_total") == waits + 5) and not hasty.done():
+                pass
+            were_in_time = all_wait and not hasty.done()
+            late = hasty.result()
+            were_in_time = were_in_time and not slow.done()
+            statuses = [future.result().status for future in (slow, *patient)]
+        if were_in_time:
+            self.assert_problem(late, 504, "deadline_exceeded")
+            self.assertEqual(statuses, [200] * 6)
+            self.assertEqual(self.daemon.metric("cache_waits_total") - waits, 5)
+            self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 3)
+        return were_in_time
 
     def test_a_client_that_disconnected_frees_its_worker(self):
         self.daemon.ask_often("slow", "v:500")
