@@ -166,6 +166,19 @@ static double arc_by_way(const struct gd_limit_jet *jets)
     return halves + (halves - arc_between(&jets[0], &jets[2])) / 3;
 }
 
+/* Returns the distance along the surface between an end of the path on the mesh and its place. */
+static double shift_of_end(const struct search *search, bool is_last)
+{
+    const struct gd_path *path = &search->pair.path;
+    const struct gd_limit_jet *jet = &search->jets[is_last ? search->count - 1 : 0];
+    struct gd_vec3 end = gd_point_position(gd_limit_mesh_mesh(search->fine),
+                                           &path->points[is_last ? path->count - 1 : 0]),
+                   shift = gd_vec3_sub(end, jet->position);
+    if (!isnan(jet->normal.x))
+        shift = gd_vec3_sub(shift, gd_vec3_scale(jet->normal, gd_vec3_dot(shift, jet->normal)));
+    return gd_vec3_length(shift);
+}
+
 static enum gd_status answer_lifted(const struct search *search, struct gd_limit_shortest *out)
 {
     struct gd_limit_shortest made = {.mesh_distance = search->pair.distance,
@@ -177,7 +190,8 @@ static enum gd_status answer_lifted(const struct search *search, struct gd_limit
         made.steps[i] = (struct gd_limit_step){search->places[2 * i], search->jets[2 * i].position,
                                                made.distance};
     }
-    made.error_estimate = fabs(made.distance - made.mesh_distance);
+    made.error_estimate = fabs(made.distance - made.mesh_distance) + shift_of_end(search, false) +
+                          shift_of_end(search, true);
     *out = made;
     return GD_OK;
 }

@@ -26,12 +26,13 @@ void gd_limit_shortest_free(struct gd_limit_shortest *shortest);
  * it a geodesic of the limit surface (gd_limit_relax). If this fails, the result is the mesh's path
  * projected onto the limit surface. The projected path is also the result if the geodesic is longer
  * by more than the error estimate. The length of the projected path is an upper bound of the
- * distance. The difference between this length and mesh_distance is the error estimate. If two
- * paths are nearly equally short, the result is the path that is shorter on the mesh. The result
- * may then be longer than the shortest path by O(4^-level). `control` and `detail` may be NULL; the
- * caller frees `*out` by gd_limit_shortest_free. Errors: those of gd_limit_place_check and
- * gd_pair_solve; GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. Cost: a search on
- * the mesh, and about ten traces. Thread-safe. */
+ * distance. The error estimate is the difference between this length and mesh_distance, plus the
+ * distances by which the mesh path's ends are displaced along the surface. If two paths are nearly
+ * equally short, the result is the path that is shorter on the mesh. The result may then be longer
+ * than the shortest path by O(4^-level). `control` and `detail` may be NULL; the caller frees
+ * `*out` by gd_limit_shortest_free. Errors: those of gd_limit_place_check and gd_pair_solve;
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. Cost: a search on the mesh, and
+ * about ten traces. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_shortest_find(const struct gd_limit_mesh *fine,
                                                   const struct gd_limit_point ends[2],
                                                   const struct gd_control *control,

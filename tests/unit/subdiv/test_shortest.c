@@ -1,6 +1,8 @@
 #include "tests/unit/subdiv/surfaces.h"
 
 #include "gd/limit_shortest.h"
+#include "gd/locate.h"
+#include "gd/query.h"
 
 static struct gd_limit_mesh *fine_of(const struct gd_subdivision *surface, uint32_t level)
 {
@@ -157,6 +159,54 @@ static void sharp_cube(void **state)
     gd_subdivision_release(cube);
 }
 
+/* A prism whose edges are all sharp stays a prism, so its distances are known exactly. The cells of
+ * its triangles are not parallelograms: at most levels the path on the mesh has displaced ends. The
+ * estimate bounds the error. */
+static void sharp_prism(void **state)
+{
+    (void)state;
+    double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0.3, 0.9, 0},
+                              {0, 0, 1}, {1, 0, 1}, {0.3, 0.9, 1}};
+    uint32_t corners[24] = {2, 1, 0, 3, 4, 5, 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4, 2, 0, 3, 2, 3, 5};
+    struct gd_mesh *mesh = test_mesh(&(struct gd_polygons){
+        .positions = positions, .position_count = 6, .polygon_count = 8, .corners = corners});
+    struct gd_subdivision *prism =
+        surface_from("v 0 0 0\nv 1 0 0\nv 0.3 0.9 0\nv 0 0 1\nv 1 0 1\nv 0.3 0.9 1\n"
+                     "f 3 2 1\nf 4 5 6\nf 1 2 5 4\nf 2 3 6 5\nf 3 1 4 6\n"
+                     "t crease 4/1/0 0 1 2 0 10\nt crease 4/1/0 3 4 5 3 10\n"
+                     "t crease 2/1/0 0 3 10\nt crease 2/1/0 1 4 10\nt crease 2/1/0 2 5 10\n",
+                     GD_SCHEME_CATMULL_CLARK);
+    struct gd_limit_mesh *fine = fine_of(prism, 3);
+    struct rng rng = {17};
+    uint32_t projected = 0;
+    for (int i = 0; i < 100; i++) {
+        struct gd_limit_point place[2];
+        struct gd_point point[2];
+        for (int k = 0; k < 2; k++) {
+            struct gd_limit_jet jet;
+            place[k] = (struct gd_limit_point){(uint32_t)k, rng_below(&rng, 3), rng_unit(&rng),
+                                               rng_unit(&rng)};
+            check_ok(gd_limit_evaluate(prism, &place[k], &jet, NULL), NULL);
+            check_ok(gd_locate_nearest(mesh, jet.position, -1, &point[k], NULL), NULL);
+        }
+        struct gd_pair_answer exact = {0};
+        check_ok(gd_pair_solve(mesh, &(struct gd_pair_request){.from = &point[0], .to = &point[1]},
+                               NULL, &exact, NULL),
+                 NULL);
+        struct gd_limit_shortest found = find(fine, place[0], place[1]);
+        assert_true(found.distance >= exact.distance - found.error_estimate - 1e-12);
+        /* a geodesic may be another one than the shortest */
+        if (!found.relaxed)
+            assert_true(found.distance <= exact.distance + found.error_estimate + 1e-12);
+        projected += !found.relaxed;
+        gd_limit_shortest_free(&found);
+    }
+    assert_true(projected > 10);
+    gd_limit_mesh_free(fine);
+    gd_subdivision_release(prism);
+    gd_mesh_release(mesh);
+}
+
 static void edge_cases(void **state)
 {
     (void)state;
@@ -192,6 +242,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(plane),      cmocka_unit_test(quarter_of_a_closed_geodesic),
         cmocka_unit_test(laws),       cmocka_unit_test(around_a_corner),
-        cmocka_unit_test(sharp_cube), cmocka_unit_test(edge_cases)};
+        cmocka_unit_test(sharp_cube), cmocka_unit_test(sharp_prism),
+        cmocka_unit_test(edge_cases)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
