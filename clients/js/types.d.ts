@@ -991,7 +991,10 @@ export type PictureCutLayer = {
 /** Points as discs. */
 export type PicturePointsLayer = {
   points: (Point | LimitPlace | Place)[];
-  /** Texts beside the points, in their order; an empty text draws nothing. */
+  /**
+   * Texts beside the points, in their order, at most as many as points. An empty text draws
+   * nothing.
+   */
   labels?: PictureLabel[];
   /** In the unit of `width`. */
   radius?: number;

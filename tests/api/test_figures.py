@@ -371,6 +371,7 @@ class FigureTests(FigureCase):
         self.refused([{"points": [point], "color": "red"}], "/layers/0/color")
         self.refused([{"points": [point], "color": "#12345g"}], "/layers/0/color")
         self.refused([{"points": [point], "labels": ["\u00e9"]}], "/layers/0/labels/0")
+        self.refused([{"points": [point], "labels": ["A", "B"]}], "/layers/0/labels")
         self.refused([{"points": [point], "label": 41 * "x"}], "/layers/0/label")
         self.refused([{"points": [point], "radius": 0}], "/layers/0/radius")
         self.refused([{"points": [point], "width": 3}], "/layers/0/width")

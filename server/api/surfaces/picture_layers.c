@@ -155,16 +155,23 @@ static bool part_decode(struct server_picture_layers *layers, struct server_quer
            body_decode(part, rule->wrapped, body);
 }
 
-/* Makes an array of the labels. Empty labels become NULL. */
+/* Makes an array of the labels. Empty labels become NULL. Returns false with a problem if there are
+ * more labels than points. */
 static bool labels_list(struct server_query *query, const struct proto_picture_layer *wanted,
                         struct gd_picture_layer *drawn)
 {
     const struct proto_picture_label_list *labels = &wanted->labels;
     const char **texts;
     if (!labels->count) return true;
+    if (labels->count > drawn->count) {
+        char place[PROTO_KEPT_PLACE + sizeof "/labels"];
+        snprintf(place, sizeof place, "%s/labels", wanted->place);
+        return proto_problem_refuse(query->problem, place, "the layer has %u points, but %u labels",
+                                    drawn->count, labels->count);
+    }
     texts = server_query_allocate(query, drawn->count, sizeof *texts);
     if (!texts) return server_query_refuse(query, GD_BUDGET, "the figure");
-    for (uint32_t k = 0; k < labels->count && k < drawn->count; k++)
+    for (uint32_t k = 0; k < labels->count; k++)
         if (labels->items[k].text[0]) texts[k] = labels->items[k].text;
     drawn->labels = texts;
     return true;
