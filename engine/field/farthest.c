@@ -430,7 +430,7 @@ static void search_along(struct search *search, int k, bool is_boundary)
 static enum gd_status search_face(struct search *search, uint32_t face)
 {
     enum gd_status status = find_rising(search, face);
-    if (status) return status;
+    if (status || !search->rising_count) return status;
     for (int k = 0; k < 3; k++)
         search_along(search, k,
                      gd__side_is_boundary(search->mesh, search->mesh->face_side[face][k] ^ 1));

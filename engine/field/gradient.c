@@ -137,10 +137,10 @@ static struct gd_vec3 inside_boundary(const struct gd_mesh *mesh, const struct g
 {
     if (point->kind != GD_POINT_EDGE) return gradient;
     for (uint32_t side = 2 * point->element; side < 2 * point->element + 2; side++) {
+        if (!gd__side_is_boundary(mesh, side ^ 1)) continue;
         struct gd__axes axes = gd__axes_of_side(mesh, side);
-        if (!gd__side_is_boundary(mesh, side ^ 1) || gd_vec3_dot(gradient, axes.across) <= 0)
-            continue;
-        return gd_vec3_scale(axes.along, copysign(1, gd_vec3_dot(gradient, axes.along)));
+        if (gd_vec3_dot(gradient, axes.across) > 0)
+            return gd_vec3_scale(axes.along, copysign(1, gd_vec3_dot(gradient, axes.along)));
     }
     return gradient;
 }
