@@ -30,7 +30,7 @@ void *gd__scratch_array(struct gd__construction *work, struct gd__loan *loan, si
 {
     size_t bytes = (count * size + LINE - 1) & ~(LINE - 1);
     void *array;
-    if (loan && bytes <= (size_t)(loan->end - loan->free)) {
+    if (loan && loan->begin && bytes <= (size_t)(loan->end - loan->free)) {
         array = loan->free;
         loan->free += bytes;
     } else {
