@@ -18,7 +18,7 @@ export const DESKTOP = { viewport: { width: 1440, height: 900 } };
 export const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
 /** A message that the software renderer logs when the browser reads the canvas. */
 const DRIVER_HINT = /GL Driver Message \(OpenGL, Performance/;
-export const PATIENCE = 60000; /* milliseconds: a software renderer on a busy machine is slow */
+export const PATIENCE = 30000; /* milliseconds: a software renderer on a busy machine is slow */
 
 export class Browser {
   static async open(settings) {
