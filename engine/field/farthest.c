@@ -19,6 +19,7 @@
 enum {
     STEPS_OF_FACE = GD__PACE_STEPS / 64,
     FEW = 12,       /* number of sources of which all triples are tried */
+    CELL_COST = 32, /* cost of a cell, in triples that are tried in this time */
     DEPTH_MOST = 24 /* of cells; a cell of this depth is 2^24 times smaller than its face */
 };
 
@@ -41,6 +42,10 @@ struct search {
        parts that are being searched */
     uint32_t *rising;
     uint32_t rising_count, rising_capacity;
+    /* What the division of the current face or side may still cost. If many sources are equally far
+       along a line, dividing does not separate them. The division then ends when it has cost as
+       much as trying all triples or pairs, and these are tried. */
+    uint64_t work;
 };
 
 static void close_search(struct search *search)
@@ -263,15 +268,18 @@ static void search_triples(struct search *search, const struct disc *disc, const
 }
 
 /* Appends to `rising` the sources of a list that may give a distance beyond the best one in the
- * disc. Sets *out to them. Returns false if there are none. Between two points of a face the
- * distance changes by at most the distance of the points, and so does the distance from one source.
- */
+ * disc. Sets *out to them. Returns false if there are none, or if no work is left. Between two
+ * points of a face the distance changes by at most the distance of the points, and so does the
+ * distance from one source. */
 static bool narrow(struct search *search, const struct disc *disc, const struct list *list,
                    struct list *out)
 {
     const struct gd__sources *sources = &search->sources;
     struct gd__leg_key way;
     *out = (struct list){search->rising_count, 0};
+    uint64_t cost = CELL_COST + list->count;
+    search->work = search->work > cost ? search->work - cost : 0;
+    if (!search->work) return false;
     if (!gd__pace(&search->pace, 8 + sources->count)) return false;
     struct gd_point point =
         gd__face_frame_point(search->mesh, sources->face, &sources->frame, disc->centre);
@@ -335,10 +343,9 @@ static void search_cell(struct search *search, const struct gd__local corner[3],
 static void search_inside(struct search *search)
 {
     const struct list all = {0, search->rising_count};
-    if (all.count <= FEW)
-        search_triples(search, &everything, &all);
-    else
-        search_cell(search, search->sources.frame.corner, &all, 0);
+    search->work = (uint64_t)all.count * all.count * all.count / 6;
+    if (all.count > FEW) search_cell(search, search->sources.frame.corner, &all, 0);
+    if (all.count <= FEW || !search->work) search_triples(search, &everything, &all);
 }
 
 /* --- along edges ------------------------------------------------------------------------------ */
@@ -421,10 +428,9 @@ static void search_along(struct search *search, int k, bool is_boundary)
     const struct list all = {0, search->rising_count};
     const struct stretch side = {k, is_boundary, 0, search->sources.frame.length[k]};
     if (!is_boundary && !search->field->has_segments) return;
-    if (all.count <= FEW)
-        search_pairs(search, &side, &everything, &all);
-    else
-        search_stretch(search, &side, &all, 0);
+    search->work = (uint64_t)all.count * all.count / 2;
+    if (all.count > FEW) search_stretch(search, &side, &all, 0);
+    if (all.count <= FEW || !search->work) search_pairs(search, &side, &everything, &all);
 }
 
 static enum gd_status search_face(struct search *search, uint32_t face)
