@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "base/large.h"
 #include "construction/interval.h"
 #include "construction/steps.h"
@@ -315,11 +315,11 @@ static enum gd_status triangulate_polygons(struct gd__construction *work, uint32
 {
     struct gd_mesh *mesh = work->mesh;
     struct gd__edge_set edges = {0};
-    struct gd__arrays arrays = {0};
+    struct gd__arena arena = {0};
     struct ear_clipper clipper = {
-        .corner = gd__arrays_take(&arrays, most_corners, sizeof *clipper.corner),
-        .reflex = gd__arrays_take(&arrays, most_corners, sizeof *clipper.reflex)};
-    enum gd_status status = arrays.status;
+        .corner = gd__arena_take(&arena, most_corners, sizeof *clipper.corner),
+        .reflex = gd__arena_take(&arena, most_corners, sizeof *clipper.reflex)};
+    enum gd_status status = arena.status;
     /* the set must have room for all edges and all diagonals of the polygons */
     if (!status)
         status = gd__edge_set_create(gd_polygons_corner_count(work->polygons) +
@@ -327,7 +327,7 @@ static enum gd_status triangulate_polygons(struct gd__construction *work, uint32
                                      &work->pace, &edges);
     if (!status) status = split_all(work, &clipper, &edges);
     gd__edge_set_free(&edges);
-    gd__arrays_free(&arrays);
+    gd__arena_free(&arena);
     return status;
 }
 

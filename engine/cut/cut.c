@@ -14,7 +14,7 @@
 struct cutting {
     struct gd__refined *refined;
     const struct gd_cut_request *request;
-    struct gd__arrays *arrays;
+    struct gd__arena *arena;
     struct gd_detail *detail;
     struct gd_cut cut;
     uint32_t *piece; /* for each triangle, its piece */
@@ -45,7 +45,7 @@ static void *cut_pieces_take(struct cutting *cutting, size_t count, size_t size,
                              enum gd_status *status)
 {
     if (*status) return NULL;
-    *status = gd__budget_take(&cutting->arrays->budget, count * size);
+    *status = gd__budget_take(&cutting->arena->budget, count * size);
     void *array = *status ? NULL : calloc(count ? count : 1, size);
     if (!array && !*status) *status = GD_NO_MEMORY;
     if (!*status) cutting->cut.bytes += count * size;
@@ -87,8 +87,8 @@ static enum gd_status cut_pieces_measure(struct cutting *cutting)
 {
     const struct gd__refined *refined = cutting->refined;
     double unit = refined->mesh->unit;
-    double *lost = gd__arrays_zeroed(cutting->arrays, cutting->cut.piece_count, sizeof *lost);
-    if (!lost) return cutting->arrays->status;
+    double *lost = gd__arena_zeroed(cutting->arena, cutting->cut.piece_count, sizeof *lost);
+    if (!lost) return cutting->arena->status;
     for (uint32_t t = 0; t < refined->count; t++) {
         double *area = &cutting->cut.pieces[cutting->piece[t]].area,
                *rest = &lost[cutting->piece[t]];
@@ -186,9 +186,9 @@ static enum gd_status select_faces(struct cutting *cutting)
 {
     const struct gd_mesh *mesh = cutting->refined->mesh;
     uint32_t indices = mesh->summary.face_index_count;
-    uint32_t *owner = gd__arrays_take(cutting->arrays, indices, sizeof *owner);
-    double *area = gd__arrays_zeroed(cutting->arrays, cutting->cut.piece_count, sizeof *area);
-    enum gd_status status = cutting->arrays->status;
+    uint32_t *owner = gd__arena_take(cutting->arena, indices, sizeof *owner);
+    double *area = gd__arena_zeroed(cutting->arena, cutting->cut.piece_count, sizeof *area);
+    enum gd_status status = cutting->arena->status;
     for (uint32_t i = 0; i < indices && !status; i++) {
         uint32_t face = mesh->face_of_index[i];
         owner[i] = face == GD_NONE ? GD_NONE : owner_of_face(cutting, face, area);
@@ -301,10 +301,10 @@ static enum gd_status make_meshes(struct cutting *cutting)
            keys = refined->mesh->summary.index_count + (size_t)refined->nodes->count;
     enum gd_status status = allocate_pieces(cutting);
     if (status) return status;
-    uint32_t *begin = gd__arrays_zeroed(cutting->arrays, keys + 1, sizeof *begin),
-             *sorted = gd__arrays_take(cutting->arrays, corners, sizeof *sorted);
-    cutting->number = gd__arrays_take(cutting->arrays, corners, sizeof *cutting->number);
-    if (cutting->arrays->status) return cutting->arrays->status;
+    uint32_t *begin = gd__arena_zeroed(cutting->arena, keys + 1, sizeof *begin),
+             *sorted = gd__arena_take(cutting->arena, corners, sizeof *sorted);
+    cutting->number = gd__arena_take(cutting->arena, corners, sizeof *cutting->number);
+    if (cutting->arena->status) return cutting->arena->status;
     sort_vertices(refined, (uint32_t)keys, begin, sorted);
     for (uint32_t i = 0; i < begin[keys]; i++)
         if (is_wanted(cutting, cutting->piece[sorted[i] / 3])) place_vertex(cutting, sorted[i]);
@@ -316,16 +316,16 @@ static enum gd_status make_meshes(struct cutting *cutting)
 /* Fills in the requested pieces, `separates` and `bytes`. Errors: GD_INVALID_ARGUMENT (`inside`
  * lies on the curve), GD_NO_MEMORY, GD_BUDGET. Linear time. */
 static enum gd_status pieces_make(struct gd__refined *refined, const struct gd_cut_request *request,
-                                  struct gd__arrays *arrays, struct gd_cut *out,
+                                  struct gd__arena *arena, struct gd_cut *out,
                                   struct gd_detail *detail)
 {
     struct cutting cutting = {.refined = refined,
                               .request = request,
-                              .arrays = arrays,
+                              .arena = arena,
                               .detail = detail,
                               .wanted = GD_NONE};
-    cutting.piece = gd__arrays_take(arrays, refined->count, sizeof *cutting.piece);
-    enum gd_status status = cutting.piece ? number_regions(&cutting) : arrays->status;
+    cutting.piece = gd__arena_take(arena, refined->count, sizeof *cutting.piece);
+    enum gd_status status = cutting.piece ? number_regions(&cutting) : arena->status;
     if (!status) status = cut_pieces_measure(&cutting);
     if (!status && request->inside) status = find_inside(&cutting);
     if (!status) status = request->select_only ? select_faces(&cutting) : make_meshes(&cutting);
@@ -357,9 +357,9 @@ static enum gd_status check_ends(const struct gd_mesh *mesh, const struct gd_cur
 /* --- attempts --------------------------------------------------------------------------------- */
 
 /* One attempt to refine the mesh, with one snap distance. `refined` borrows from `arrangement`.
- * `arrays` has the arrays of `seam` and `refined`. */
+ * `arena` has the arrays of `seam` and `refined`. */
 struct attempt {
-    struct gd__arrays arrays;
+    struct gd__arena arena;
     struct gd__arrangement arrangement;
     struct gd__seam seam;
     struct gd__refined refined;
@@ -368,7 +368,7 @@ struct attempt {
 
 static void cut_clear(struct attempt *attempt)
 {
-    gd__arrays_free(&attempt->arrays);
+    gd__arena_free(&attempt->arena);
     gd__arrangement_free(&attempt->arrangement);
     attempt->flat_face = GD_NONE;
 }
@@ -378,14 +378,14 @@ static enum gd_status try(struct attempt *attempt, const struct gd_mesh *mesh,
 {
     cut_clear(attempt);
     enum gd_status status =
-        gd__arrange(mesh, curve, snap, &attempt->arrays.budget, &attempt->arrangement, detail);
-    if (!status) status = gd__seam_make(&attempt->arrangement, &attempt->arrays, &attempt->seam);
+        gd__arrange(mesh, curve, snap, &attempt->arena.budget, &attempt->arrangement, detail);
+    if (!status) status = gd__seam_make(&attempt->arrangement, &attempt->arena, &attempt->seam);
     if (!status && attempt->seam.cuts == 0)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the curve cuts nothing, because it encloses no area or follows the "
                        "boundary; choose another curve");
     return status ? status
-                  : gd__refine(&attempt->arrangement, &attempt->seam, &attempt->arrays,
+                  : gd__refine(&attempt->arrangement, &attempt->seam, &attempt->arena,
                                &attempt->refined, &attempt->flat_face);
 }
 
@@ -414,12 +414,12 @@ enum gd_status gd_cut_along(const struct gd_mesh *mesh, const struct gd_cut_requ
 {
     struct gd__share attempts = {.control = control, .total = 1};
     const struct gd_control own = gd__share_control(&attempts, 0);
-    struct attempt attempt = {.arrays.budget.control = &own};
+    struct attempt attempt = {.arena.budget.control = &own};
     struct gd_cut cut = {0};
     enum gd_status status = check_ends(mesh, request->curve, detail);
     if (!status) status = try_snaps(&attempt, mesh, request->curve, detail);
     double shift = attempt.arrangement.nodes.shift * mesh->unit;
-    if (!status) status = pieces_make(&attempt.refined, request, &attempt.arrays, &cut, detail);
+    if (!status) status = pieces_make(&attempt.refined, request, &attempt.arena, &cut, detail);
     cut_clear(&attempt);
     if (status) return status;
     *out = cut;

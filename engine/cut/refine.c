@@ -221,7 +221,7 @@ static size_t triangle_count(const struct gd__nodes *nodes)
     return nodes->mesh->face_count + 2 * (size_t)nodes->count;
 }
 
-static enum gd_status cut_refine_prepare(struct refining *refining, struct gd__arrays *arrays)
+static enum gd_status cut_refine_prepare(struct refining *refining, struct gd__arena *arena)
 {
     const struct gd__nodes *nodes = &refining->arrangement->nodes;
     struct gd__refined *refined = refining->refined;
@@ -229,14 +229,14 @@ static enum gd_status cut_refine_prepare(struct refining *refining, struct gd__a
            pieces = (size_t)nodes->mesh->edge_count + nodes->count;
     if (3 * triangles > UINT32_MAX) return GD_TOO_LARGE;
     *refined = (struct gd__refined){.mesh = nodes->mesh, .nodes = nodes};
-    refined->node = gd__arrays_take(arrays, triangles, sizeof *refined->node);
-    refined->face = gd__arrays_take(arrays, triangles, sizeof *refined->face);
-    refined->region = gd__arrays_take(arrays, triangles, sizeof *refined->region);
-    refined->vertex = gd__arrays_take(arrays, 3 * triangles, sizeof *refined->vertex);
-    refined->of_face = gd__arrays_take(arrays, faces, sizeof *refined->of_face);
-    refined->in_face = gd__arrays_zeroed(arrays, faces, sizeof *refined->in_face);
-    refining->first_side = gd__arrays_take(arrays, pieces, sizeof *refining->first_side);
-    if (arrays->status) return arrays->status;
+    refined->node = gd__arena_take(arena, triangles, sizeof *refined->node);
+    refined->face = gd__arena_take(arena, triangles, sizeof *refined->face);
+    refined->region = gd__arena_take(arena, triangles, sizeof *refined->region);
+    refined->vertex = gd__arena_take(arena, 3 * triangles, sizeof *refined->vertex);
+    refined->of_face = gd__arena_take(arena, faces, sizeof *refined->of_face);
+    refined->in_face = gd__arena_zeroed(arena, faces, sizeof *refined->in_face);
+    refining->first_side = gd__arena_take(arena, pieces, sizeof *refining->first_side);
+    if (arena->status) return arena->status;
     gd__union_find_init(refined->region, (uint32_t)triangles);
     gd__union_find_init(refined->vertex, (uint32_t)(3 * triangles));
     for (size_t i = 0; i < pieces; i++) refining->first_side[i] = GD_NONE;
@@ -265,11 +265,11 @@ static enum gd_status refine_faces(struct refining *refining, uint32_t *flat_fac
 }
 
 enum gd_status gd__refine(const struct gd__arrangement *arrangement, const struct gd__seam *seam,
-                          struct gd__arrays *arrays, struct gd__refined *out, uint32_t *flat_face)
+                          struct gd__arena *arena, struct gd__refined *out, uint32_t *flat_face)
 {
     struct refining refining = {.arrangement = arrangement, .seam = seam, .refined = out};
     refining.planar.budget = arrangement->nodes.budget;
-    enum gd_status status = cut_refine_prepare(&refining, arrays);
+    enum gd_status status = cut_refine_prepare(&refining, arena);
     if (!status) status = refine_faces(&refining, flat_face);
     gd__planar_free(&refining.planar);
     free(refining.site_node);

@@ -24,7 +24,7 @@ struct gd__refined {
  * `*flat_face` is the face that failed. Linear in the mesh; quadratic in the nodes
  * of a face. */
 GD_MUST_USE enum gd_status gd__refine(const struct gd__arrangement *arrangement,
-                                      const struct gd__seam *seam, struct gd__arrays *arrays,
+                                      const struct gd__seam *seam, struct gd__arena *arena,
                                       struct gd__refined *out, uint32_t *flat_face);
 
 /* Returns a triangle's fraction of the area of its face. */

@@ -162,22 +162,22 @@ static void seam_prune(struct pruning *pruning)
 
 /* --- result ----------------------------------------------------------------------------------- */
 
-enum gd_status gd__seam_make(const struct gd__arrangement *arrangement, struct gd__arrays *arrays,
+enum gd_status gd__seam_make(const struct gd__arrangement *arrangement, struct gd__arena *arena,
                              struct gd__seam *out)
 {
     const struct gd__nodes *nodes = &arrangement->nodes;
     struct pruning pruning = {.seam = out, .arrangement = arrangement};
     size_t edges = nodes->mesh->edge_count, pieces = edges + nodes->count;
     *out = (struct gd__seam){.nodes = nodes};
-    out->first = gd__arrays_take(arrays, edges + 1, sizeof *out->first);
-    out->edge_node = gd__arrays_take(arrays, nodes->count, sizeof *out->edge_node);
-    out->place = gd__arrays_take(arrays, nodes->count, sizeof *out->place);
-    out->is_cut = gd__arrays_zeroed(arrays, pieces, 1);
-    out->is_cutting = gd__arrays_zeroed(arrays, arrangement->segment_count, 1);
-    pruning.meetings = gd__arrays_zeroed(arrays, (size_t)nodes->mesh->vertex_count + nodes->count,
-                                         sizeof *pruning.meetings);
-    pruning.edge_of_part = gd__arrays_take(arrays, pieces, sizeof *pruning.edge_of_part);
-    if (arrays->status) return arrays->status;
+    out->first = gd__arena_take(arena, edges + 1, sizeof *out->first);
+    out->edge_node = gd__arena_take(arena, nodes->count, sizeof *out->edge_node);
+    out->place = gd__arena_take(arena, nodes->count, sizeof *out->place);
+    out->is_cut = gd__arena_zeroed(arena, pieces, 1);
+    out->is_cutting = gd__arena_zeroed(arena, arrangement->segment_count, 1);
+    pruning.meetings = gd__arena_zeroed(arena, (size_t)nodes->mesh->vertex_count + nodes->count,
+                                        sizeof *pruning.meetings);
+    pruning.edge_of_part = gd__arena_take(arena, pieces, sizeof *pruning.edge_of_part);
+    if (arena->status) return arena->status;
     number_pieces(out);
     pruning.pieces = out->first[edges];
     seam_mark(out, arrangement);

@@ -5,7 +5,7 @@
  * edge without nodes is one piece. */
 #pragma once
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "cut/arrangement.h"
 
 struct gd__seam {
@@ -25,7 +25,7 @@ struct gd__seam {
  * end is a part of the seam that has a free end: an end that is not on the boundary and belongs to
  * no other part. Linear in the mesh. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__seam_make(const struct gd__arrangement *arrangement,
-                                         struct gd__arrays *arrays, struct gd__seam *out);
+                                         struct gd__arena *arena, struct gd__seam *out);
 
 /* Returns the piece of an edge between two consecutive nodes a and b. */
 uint32_t gd__seam_piece(const struct gd__seam *seam, uint32_t edge, uint32_t a, uint32_t b);

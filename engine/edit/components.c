@@ -1,7 +1,7 @@
 /* Splits an edited mesh into its components, or keeps some of them. */
 #include <stdlib.h>
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "base/pace.h"
 #include "edit/edited.h"
 #include "mesh/topology.h"
@@ -17,7 +17,7 @@ struct part {
 struct split {
     const struct gd_edited *edited;
     struct gd__pace pace;
-    struct gd__arrays arrays;
+    struct gd__arena arena;
     uint32_t *root; /* for each vertex, the lowest vertex of its component */
     /* first, for each root, its part; later, for each vertex, its number in its part */
     uint32_t *number;
@@ -86,8 +86,8 @@ static enum gd_status find_parts(struct split *split, uint32_t most, struct gd_d
         return gd_fail(detail, GD_TOO_LARGE,
                        "there are %u components, and at most %u become meshes at a time",
                        split->count, most);
-    split->parts = gd__arrays_take(&split->arrays, split->count, sizeof *split->parts);
-    if (!split->parts) return split->arrays.status;
+    split->parts = gd__arena_take(&split->arena, split->count, sizeof *split->parts);
+    if (!split->parts) return split->arena.status;
     rank_parts(split);
     return split->pace.status;
 }
@@ -129,8 +129,8 @@ static struct split split_begin(const struct gd_edited *edited, uint32_t vertice
                                 const struct gd_control *control)
 {
     struct split split = {.edited = edited, .pace = {.control = control}};
-    split.root = gd__arrays_take(&split.arrays, vertices, sizeof *split.root);
-    split.number = gd__arrays_take(&split.arrays, vertices, sizeof *split.number);
+    split.root = gd__arena_take(&split.arena, vertices, sizeof *split.root);
+    split.number = gd__arena_take(&split.arena, vertices, sizeof *split.number);
     return split;
 }
 
@@ -158,9 +158,9 @@ enum gd_status gd_edited_split(const struct gd_edited *edited, uint32_t most,
     struct split split = split_begin(edited, edited->polygons.position_count, control);
     struct gd_edited_parts parts = {0};
     enum gd_status status =
-        split.arrays.status ? split.arrays.status : find_parts(&split, most, detail);
+        split.arena.status ? split.arena.status : find_parts(&split, most, detail);
     if (!status) status = split_all(&split, &parts);
-    gd__arrays_free(&split.arrays);
+    gd__arena_free(&split.arena);
     if (status)
         gd_edited_parts_free(&parts);
     else
@@ -204,12 +204,12 @@ enum gd_status gd_components(const struct gd_mesh *mesh,
     enum gd_status status = gd_control_afford(control, gd_edit_cost(mesh->face_count));
     if (status) return status;
     struct split split = split_begin(&whole, mesh->vertex_count, control);
-    status = split.arrays.status;
+    status = split.arena.status;
     if (!status) status = gd__edited_allocate(&whole, mesh->vertex_count, mesh->face_count);
     if (!status) gd__edited_copy(&whole, mesh, split.number, &split.pace);
     if (!status) status = find_parts(&split, UINT32_MAX, detail);
     if (!status) status = keep_some(&split, options, &made);
-    gd__arrays_free(&split.arrays);
+    gd__arena_free(&split.arena);
     gd_edited_free(&whole);
     if (status)
         gd_edited_free(&made);

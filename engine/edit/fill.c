@@ -2,7 +2,7 @@
  * which patch.cc refines and smooths. */
 #include <stdlib.h>
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "base/pace.h"
 #include "base/share.h"
 #include "edit/crossings.h"
@@ -329,17 +329,17 @@ static void remove_crossing(struct filling *filling, const uint32_t *crossed,
 static enum gd_status check_patches(struct filling *filling, struct gd_detail *refusal)
 {
     struct patch_sizes all = sizes_of(filling);
-    struct gd__arrays arrays = {0};
+    struct gd__arena arena = {0};
     struct gd_polygons triangles = {
-        .positions = gd__arrays_take(&arrays, all.vertices, sizeof *triangles.positions),
-        .corners = gd__arrays_take(&arrays, 3 * (size_t)all.faces, sizeof *triangles.corners)};
-    uint32_t *crossed = gd__arrays_take(&arrays, all.faces, sizeof *crossed);
-    enum gd_status status = arrays.status;
+        .positions = gd__arena_take(&arena, all.vertices, sizeof *triangles.positions),
+        .corners = gd__arena_take(&arena, 3 * (size_t)all.faces, sizeof *triangles.corners)};
+    uint32_t *crossed = gd__arena_take(&arena, all.faces, sizeof *crossed);
+    enum gd_status status = arena.status;
     for (uint32_t i = 0; !status && i < filling->count; i++)
         patch_append(&filling->holes[i].patch, &triangles);
     if (!status) status = gd__find_crossings(&triangles, &filling->part, crossed);
     if (!status) remove_crossing(filling, crossed, refusal);
-    gd__arrays_free(&arrays);
+    gd__arena_free(&arena);
     return status;
 }
 

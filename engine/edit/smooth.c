@@ -3,7 +3,7 @@
  * is not used because it cannot be stopped. */
 #include <stdlib.h>
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "base/pace.h"
 #include "edit/edited.h"
 #include "mesh/topology.h"
@@ -15,7 +15,7 @@ struct smoothing {
     const struct gd_mesh *mesh;
     const struct gd_smooth_options *options;
     struct gd__pace pace;
-    struct gd__arrays arrays;
+    struct gd__arena arena;
     struct gd_vec3 *place, *next; /* per internal vertex */
     bool *is_fixed;               /* per internal vertex */
 };
@@ -112,11 +112,11 @@ static enum gd_status smoothing_run(struct smoothing *smoothing, struct gd_edite
 {
     const struct gd_mesh *mesh = smoothing->mesh;
     size_t bytes = mesh->vertex_count * sizeof *smoothing->place;
-    smoothing->place = gd__arrays_take(&smoothing->arrays, bytes, 1);
-    smoothing->next = gd__arrays_take(&smoothing->arrays, bytes, 1);
+    smoothing->place = gd__arena_take(&smoothing->arena, bytes, 1);
+    smoothing->next = gd__arena_take(&smoothing->arena, bytes, 1);
     smoothing->is_fixed =
-        gd__arrays_zeroed(&smoothing->arrays, mesh->vertex_count, sizeof *smoothing->is_fixed);
-    if (smoothing->arrays.status) return smoothing->arrays.status;
+        gd__arena_zeroed(&smoothing->arena, mesh->vertex_count, sizeof *smoothing->is_fixed);
+    if (smoothing->arena.status) return smoothing->arena.status;
     memcpy(smoothing->place, mesh->position, bytes);
     fix_vertices(smoothing);
     for (uint32_t i = 0; i < smoothing->options->iterations && !smoothing->pace.status; i++) {
@@ -134,6 +134,6 @@ enum gd_status gd_smooth_mesh(const struct gd_mesh *mesh, const struct gd_smooth
     enum gd_status status = check_options(options, detail);
     if (!status) status = gd_control_afford(control, gd_edit_cost(mesh->face_count));
     if (!status) status = smoothing_run(&smoothing, out);
-    gd__arrays_free(&smoothing.arrays);
+    gd__arena_free(&smoothing.arena);
     return status;
 }

@@ -23,7 +23,7 @@ static enum gd_status trace_ridges(struct gd__ridges *ridges, const uint32_t *me
 {
     struct gd__diagram *diagram = &ridges->diagram;
     enum gd_status status =
-        gd__members_find(diagram->field, member_of_seed, &diagram->arrays, &diagram->members);
+        gd__members_find(diagram->field, member_of_seed, &diagram->arena, &diagram->members);
     if (!status) status = gd__ridges_open(ridges);
     if (!status) status = find_parts(ridges);
     if (!status) status = gd__ridges_finish(ridges);
@@ -42,7 +42,7 @@ enum gd_status gd_cut_locus_trace(const struct gd_field *field, const uint32_t *
         return GD_INVALID_ARGUMENT;
     if (field->reach < GD__FAR) return GD_BEYOND_REACH;
     struct gd__ridges ridges = {
-        .diagram = {.field = field, .mesh = field->mesh, .arrays.budget.control = control},
+        .diagram = {.field = field, .mesh = field->mesh, .arena.budget.control = control},
         .tolerance = options->tolerance / field->mesh->unit,
         .min_angle = fmax(min_angle, GD_CUT_LOCUS_ANGLE),
         .pace.control = control};

@@ -56,7 +56,7 @@ struct tracer {
 
 static void close_tracer(struct tracer *tracer)
 {
-    gd__arrays_free(&tracer->parts.arrays);
+    gd__arena_free(&tracer->parts.arena);
     free(tracer->places.at);
     gd__face_scratch_destroy(&tracer->scratch);
 }
@@ -67,7 +67,7 @@ static void close_tracer(struct tracer *tracer)
  * result exists twice. */
 static enum gd_status check_work(struct tracer *tracer, double fraction)
 {
-    tracer->pace.held = 2 * tracer->parts.arrays.budget.held;
+    tracer->pace.held = 2 * tracer->parts.arena.budget.held;
     tracer->pace.fraction = tracer->progress + (1 - tracer->progress) * fraction;
     return gd__pace_step(&tracer->pace, 1);
 }
@@ -102,8 +102,8 @@ static enum gd_status cross_edge_block(struct tracer *tracer, uint32_t block)
              end = count - edge < BLOCK ? count : edge + BLOCK;
     struct gd__isoline_parts *parts = &tracer->parts;
     enum gd_status status =
-        gd__arrays_extend(&parts->arrays, &parts->first_crossing, &parts->first_capacity,
-                          parts->first_count + UINT64_C(1) + BLOCK, sizeof *parts->first_crossing);
+        gd__arena_extend(&parts->arena, &parts->first_crossing, &parts->first_capacity,
+                         parts->first_count + UINT64_C(1) + BLOCK, sizeof *parts->first_crossing);
     parts->block[block] = parts->first_count;
     for (; edge < end && !status; edge++) {
         parts->first_crossing[parts->first_count++] = parts->crossing_count;
@@ -121,8 +121,8 @@ static enum gd_status cross_edges(struct tracer *tracer)
     const struct gd_isoline_index *index = tracer->index;
     enum gd_status status = GD_OK;
     struct gd__isoline_parts *parts = &tracer->parts;
-    parts->block = gd__arrays_take(&parts->arrays, index->edge_blocks, sizeof *parts->block);
-    if (!parts->block) return parts->arrays.status;
+    parts->block = gd__arena_take(&parts->arena, index->edge_blocks, sizeof *parts->block);
+    if (!parts->block) return parts->arena.status;
     for (uint32_t block = 0; block < index->edge_blocks; block++) parts->block[block] = GD_NONE;
     for (uint32_t block = 0; block < index->edge_blocks && !status; block++)
         if (levels_have(&index->edges[block], tracer->level))
@@ -203,12 +203,12 @@ static enum gd_status follow_chains(struct tracer *tracer, uint32_t first, bool 
 static enum gd_status find_lines(struct tracer *tracer)
 {
     struct gd__isoline_parts *parts = &tracer->parts;
-    struct gd__arrays *arrays = &parts->arrays;
-    bool *arrives = gd__arrays_zeroed(arrays, parts->crossing_count, sizeof *arrives),
-         *visited = gd__arrays_zeroed(arrays, parts->chain_count, sizeof *visited);
-    tracer->onwards = gd__arrays_take(arrays, parts->crossing_count, sizeof *tracer->onwards);
-    tracer->first = gd__arrays_take(arrays, parts->chain_count, sizeof *tracer->first);
-    enum gd_status status = arrays->status;
+    struct gd__arena *arena = &parts->arena;
+    bool *arrives = gd__arena_zeroed(arena, parts->crossing_count, sizeof *arrives),
+         *visited = gd__arena_zeroed(arena, parts->chain_count, sizeof *visited);
+    tracer->onwards = gd__arena_take(arena, parts->crossing_count, sizeof *tracer->onwards);
+    tracer->first = gd__arena_take(arena, parts->chain_count, sizeof *tracer->first);
+    enum gd_status status = arena->status;
     if (status) return status;
     for (uint32_t i = 0; i < parts->crossing_count; i++) tracer->onwards[i] = GD_NONE;
     for (uint32_t i = 0; i < parts->chain_count; i++) {
@@ -463,7 +463,7 @@ static enum gd_status trace_level(const struct gd_isoline_index *index, double l
                             .level = level / field->mesh->unit,
                             .progress = progress,
                             .pace = {.control = control},
-                            .parts.arrays.budget.control = control};
+                            .parts.arena.budget.control = control};
     if (tracer.level > field->reach) return GD_BEYOND_REACH;
     enum gd_status status = gd_control_check(control, progress);
     if (!status) status = cross_edges(&tracer);

@@ -114,8 +114,8 @@ enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edg
         else if (places->at[i + 1] - t > narrow)
             then = is_below(field, edge, 0.5 * (t + places->at[i + 1]), level);
         if (then != below)
-            status = gd__arrays_append(
-                &parts->arrays, &parts->crossing, &parts->crossing_count, &parts->crossing_capacity,
+            status = gd__arena_append(
+                &parts->arena, &parts->crossing, &parts->crossing_count, &parts->crossing_capacity,
                 &(struct gd__crossing){edge, t, below}, sizeof *parts->crossing);
         below = then;
     }

@@ -217,8 +217,8 @@ static enum gd_status match_ends(struct gd__face_scratch *scratch)
 static enum gd_status append_piece(struct gd__isoline_parts *parts,
                                    const struct gd__isoline_piece *piece)
 {
-    return gd__arrays_append(&parts->arrays, &parts->piece, &parts->piece_count,
-                             &parts->piece_capacity, piece, sizeof *piece);
+    return gd__arena_append(&parts->arena, &parts->piece, &parts->piece_count,
+                            &parts->piece_capacity, piece, sizeof *piece);
 }
 
 /* Returns the surface point of an end; a crossing is a point of its edge. */
@@ -326,9 +326,8 @@ static enum gd_status chain_from(const struct work *work, const struct gd__end *
     if (!status && !chain.has_arcs) status = bridge_crossings(work, entry, start);
     chain.count = work->parts->piece_count - chain.first;
     if (!status && !is_rounding(work, &chain))
-        return gd__arrays_append(&work->parts->arrays, &work->parts->chain,
-                                 &work->parts->chain_count, &work->parts->chain_capacity, &chain,
-                                 sizeof chain);
+        return gd__arena_append(&work->parts->arena, &work->parts->chain, &work->parts->chain_count,
+                                &work->parts->chain_capacity, &chain, sizeof chain);
     work->parts->piece_count = chain.first;
     return status;
 }

@@ -11,7 +11,7 @@
  * - Normalised unit. Positions and angles are in the face's frame (face_frame.h). */
 #pragma once
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "base/pace.h"
 #include "field/circle.h"
 
@@ -49,7 +49,7 @@ struct gd__isoline_chain {
 /* All crossings and chains of an isoline. For the crossings of an edge see gd__edge_crossings. An
  * all-zero struct is empty. */
 struct gd__isoline_parts {
-    struct gd__arrays arrays;
+    struct gd__arena arena;
     struct gd__crossing *crossing;
     /* for each block of edges, index of its first entry in first_crossing, or GD_NONE if the block
        has no crossings */

@@ -64,11 +64,11 @@ static void end_at_members(struct gd__ridges *ridges)
 
 enum gd_status gd__ridges_keep_branches(struct gd__ridges *ridges)
 {
-    struct gd__arrays *arrays = &ridges->diagram.arrays;
+    struct gd__arena *arena = &ridges->diagram.arena;
     size_t parts = ridges->diagram.bisector_part_count;
-    const struct work work = {gd__arrays_take(arrays, parts, sizeof *work.parent),
-                              gd__arrays_take(arrays, parts, sizeof *work.keep)};
-    if (arrays->status) return arrays->status;
+    const struct work work = {gd__arena_take(arena, parts, sizeof *work.parent),
+                              gd__arena_take(arena, parts, sizeof *work.keep)};
+    if (arena->status) return arena->status;
     mark_branches(ridges, &work);
     keep_parts(ridges, work.keep);
     gd__ridges_count(ridges);

@@ -332,8 +332,8 @@ static enum gd_status find_rivals(struct work *work)
     work->row = (count + BITS - 1) / BITS;
     uint64_t words = (uint64_t)work->row * count;
     enum gd_status status =
-        gd__arrays_extend(&ridges->diagram.arrays, &ridges->rivals, &ridges->rivals_capacity, words,
-                          sizeof *ridges->rivals);
+        gd__arena_extend(&ridges->diagram.arena, &ridges->rivals, &ridges->rivals_capacity, words,
+                         sizeof *ridges->rivals);
     for (uint32_t i = 0; i < count && !status; i++) {
         const struct gd__view *view = &ridges->scratch.view[i];
         struct corners corners = corners_of(view);

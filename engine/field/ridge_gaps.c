@@ -92,8 +92,8 @@ static enum gd_status list_places(struct gd__ridges *ridges, const bool *marks, 
         }
         if (pace->status) return pace->status;
         if (pass) break;
-        out->place = gd__arrays_take(&ridges->diagram.arrays, found, sizeof *out->place);
-        if (!out->place) return ridges->diagram.arrays.status;
+        out->place = gd__arena_take(&ridges->diagram.arena, found, sizeof *out->place);
+        if (!out->place) return ridges->diagram.arena.status;
         count = found;
     }
     out->count = count;
@@ -326,9 +326,9 @@ static void drop_copies(struct gd__ridges *ridges, uint32_t behind)
 static enum gd_status find_places(struct gd__ridges *ridges, struct places *loose,
                                   struct places *near)
 {
-    struct gd__arrays *arrays = &ridges->diagram.arrays;
-    bool *marks = gd__arrays_zeroed(arrays, marks_size(ridges->diagram.mesh), sizeof *marks);
-    if (!marks) return arrays->status;
+    struct gd__arena *arena = &ridges->diagram.arena;
+    bool *marks = gd__arena_zeroed(arena, marks_size(ridges->diagram.mesh), sizeof *marks);
+    if (!marks) return arena->status;
     enum gd_status status = list_places(ridges, NULL, loose);
     if (!status) mark_gaps(ridges, loose, marks);
     return status ? status : list_places(ridges, marks, near);

@@ -9,13 +9,13 @@
 enum gd_status gd__ridges_open(struct gd__ridges *ridges)
 {
     const struct gd_mesh *mesh = ridges->diagram.mesh;
-    struct gd__arrays *arrays = &ridges->diagram.arrays;
+    struct gd__arena *arena = &ridges->diagram.arena;
     size_t vertices = mesh->vertex_count, edges = mesh->edge_count;
     ridges->unused = GD_NONE;
-    ridges->vertex_node = gd__arrays_take(arrays, vertices, sizeof *ridges->vertex_node);
-    ridges->first_waiting = gd__arrays_take(arrays, edges, sizeof *ridges->first_waiting);
-    ridges->has_along = gd__arrays_zeroed(arrays, edges, sizeof *ridges->has_along);
-    if (arrays->status) return arrays->status;
+    ridges->vertex_node = gd__arena_take(arena, vertices, sizeof *ridges->vertex_node);
+    ridges->first_waiting = gd__arena_take(arena, edges, sizeof *ridges->first_waiting);
+    ridges->has_along = gd__arena_zeroed(arena, edges, sizeof *ridges->has_along);
+    if (arena->status) return arena->status;
     gd__pace_fill(&ridges->pace, ridges->vertex_node, vertices * sizeof *ridges->vertex_node);
     gd__pace_fill(&ridges->pace, ridges->first_waiting, edges * sizeof *ridges->first_waiting);
     return ridges->pace.status;
@@ -27,7 +27,7 @@ void gd__ridges_close(struct gd__ridges *ridges)
     free(ridges->scratch.view);
     free(ridges->scratch.covered.span);
     free(ridges->scratch.spans.span);
-    gd__arrays_free(&ridges->diagram.arrays);
+    gd__arena_free(&ridges->diagram.arena);
 }
 
 /* --- parts ------------------------------------------------------------------------------------ */
@@ -38,8 +38,8 @@ static enum gd_status add_part(struct gd__ridges *ridges, const struct gd__ridge
     struct gd__diagram *diagram = &ridges->diagram;
     uint32_t count = diagram->bisector_part_count;
     enum gd_status status =
-        gd__arrays_append(&diagram->arrays, &ridges->pair, &count, &ridges->pair_capacity,
-                          &ridge->pair, sizeof ridge->pair);
+        gd__arena_append(&diagram->arena, &ridges->pair, &count, &ridges->pair_capacity,
+                         &ridge->pair, sizeof ridge->pair);
     return status ? status : gd__diagram_add_bisector_part(diagram, &ridge->part, out);
 }
 
@@ -71,8 +71,8 @@ static enum gd_status put_on_edge(struct gd__ridges *ridges, const struct gd__ri
     const struct gd__waiting_end waiting = {end->at.x, end->near, end->part, end->end, *first};
     if (at == GD_NONE) {
         *first = ridges->waiting_count;
-        return gd__arrays_append(&ridges->diagram.arrays, &ridges->waiting, &ridges->waiting_count,
-                                 &ridges->waiting_capacity, &waiting, sizeof waiting);
+        return gd__arena_append(&ridges->diagram.arena, &ridges->waiting, &ridges->waiting_count,
+                                &ridges->waiting_capacity, &waiting, sizeof waiting);
     }
     ridges->unused = ridges->waiting[at].next;
     ridges->waiting[at] = waiting;
@@ -82,8 +82,8 @@ static enum gd_status put_on_edge(struct gd__ridges *ridges, const struct gd__ri
 
 static enum gd_status put_here(struct gd__ridges *ridges, const struct gd__ridge_end *end)
 {
-    return gd__arrays_append(&ridges->diagram.arrays, &ridges->here, &ridges->here_count,
-                             &ridges->here_capacity, end, sizeof *end);
+    return gd__arena_append(&ridges->diagram.arena, &ridges->here, &ridges->here_count,
+                            &ridges->here_capacity, end, sizeof *end);
 }
 
 enum gd_status gd__ridges_add(struct gd__ridges *ridges, const struct gd__ridge *ridge,
@@ -132,8 +132,8 @@ enum gd_status gd__ridges_add_along(struct gd__ridges *ridges, uint32_t edge,
     double a = place_on_edge(mesh, edge, &ridge->end[0]),
            b = place_on_edge(mesh, edge, &ridge->end[1]);
     enum gd_status status =
-        gd__arrays_extend(&ridges->diagram.arrays, &ridges->along, &ridges->along_capacity,
-                          ridges->along_count + UINT64_C(1), sizeof *ridges->along);
+        gd__arena_extend(&ridges->diagram.arena, &ridges->along, &ridges->along_capacity,
+                         ridges->along_count + UINT64_C(1), sizeof *ridges->along);
     if (status) return status;
     ridges->has_along[edge] = true;
     ridges->along[ridges->along_count++] =

@@ -27,8 +27,8 @@ enum gd_status gd__diagram_add_node(struct gd__diagram *diagram, const struct gd
 {
     const struct gd__node node = {.point = *point, .bisector_part = {GD_NONE, GD_NONE}};
     *out = diagram->node_count;
-    return gd__arrays_append(&diagram->arrays, &diagram->node, &diagram->node_count,
-                             &diagram->node_capacity, &node, sizeof node);
+    return gd__arena_append(&diagram->arena, &diagram->node, &diagram->node_count,
+                            &diagram->node_capacity, &node, sizeof node);
 }
 
 enum gd_status gd__diagram_add_bisector_part(struct gd__diagram *diagram,
@@ -36,17 +36,16 @@ enum gd_status gd__diagram_add_bisector_part(struct gd__diagram *diagram,
                                              uint32_t *out)
 {
     *out = diagram->bisector_part_count;
-    return gd__arrays_append(&diagram->arrays, &diagram->bisector_part,
-                             &diagram->bisector_part_count, &diagram->bisector_part_capacity,
-                             bisector_part, sizeof *bisector_part);
+    return gd__arena_append(&diagram->arena, &diagram->bisector_part, &diagram->bisector_part_count,
+                            &diagram->bisector_part_capacity, bisector_part, sizeof *bisector_part);
 }
 
 enum gd_status gd__diagram_add_arc(struct gd__diagram *diagram, const struct gd__arc *arc,
                                    uint32_t *out)
 {
     *out = diagram->arc_count;
-    return gd__arrays_append(&diagram->arrays, &diagram->arc, &diagram->arc_count,
-                             &diagram->arc_capacity, arc, sizeof *arc);
+    return gd__arena_append(&diagram->arena, &diagram->arc, &diagram->arc_count,
+                            &diagram->arc_capacity, arc, sizeof *arc);
 }
 
 void gd__diagram_count_end(struct gd__diagram *diagram, uint32_t part, uint32_t end)
@@ -63,13 +62,13 @@ void gd__diagram_count_end(struct gd__diagram *diagram, uint32_t part, uint32_t 
 static enum gd_status open_diagram(struct gd__diagram *diagram)
 {
     const struct gd_mesh *mesh = diagram->mesh;
-    struct gd__arrays *arrays = &diagram->arrays;
-    diagram->owner = gd__arrays_take(arrays, mesh->vertex_count, sizeof *diagram->owner);
-    diagram->nearest = gd__arrays_take(arrays, mesh->vertex_count, sizeof *diagram->nearest);
+    struct gd__arena *arena = &diagram->arena;
+    diagram->owner = gd__arena_take(arena, mesh->vertex_count, sizeof *diagram->owner);
+    diagram->nearest = gd__arena_take(arena, mesh->vertex_count, sizeof *diagram->nearest);
     diagram->first_switch =
-        gd__arrays_take(arrays, mesh->edge_count + (size_t)1, sizeof *diagram->first_switch);
-    diagram->mixture = gd__arrays_zeroed(arrays, mesh->edge_count, sizeof *diagram->mixture);
-    return gd__members_find(diagram->field, diagram->member_of_seed, arrays, &diagram->members);
+        gd__arena_take(arena, mesh->edge_count + (size_t)1, sizeof *diagram->first_switch);
+    diagram->mixture = gd__arena_zeroed(arena, mesh->edge_count, sizeof *diagram->mixture);
+    return gd__members_find(diagram->field, diagram->member_of_seed, arena, &diagram->members);
 }
 
 /* Returns true if a seed lies at the vertex. The seed's member then wins ties of paths that begin
@@ -207,7 +206,7 @@ static enum gd_status find_strands(struct tracer *tracer, const bool *is_mixed)
 static enum gd_status trace_diagram(struct tracer *tracer, double tolerance, struct gd_voronoi *out)
 {
     struct gd__diagram *diagram = &tracer->diagram;
-    bool *is_mixed = gd__arrays_take(&diagram->arrays, diagram->mesh->edge_count, sizeof *is_mixed);
+    bool *is_mixed = gd__arena_take(&diagram->arena, diagram->mesh->edge_count, sizeof *is_mixed);
     enum gd_status status = open_diagram(diagram);
     if (!status) status = gd__members_settle(diagram->field, tracer->control, &diagram->members);
     if (!status) status = settle_owners(tracer);
@@ -228,11 +227,11 @@ enum gd_status gd_voronoi_trace(const struct gd_field *field, const uint32_t *me
     struct tracer tracer = {.diagram = {.field = field,
                                         .mesh = field->mesh,
                                         .member_of_seed = member_of_seed,
-                                        .arrays.budget.control = control},
+                                        .arena.budget.control = control},
                             .scratch.pace.control = control,
                             .control = control};
     enum gd_status status = trace_diagram(&tracer, tolerance, out);
-    gd__arrays_free(&tracer.diagram.arrays);
+    gd__arena_free(&tracer.diagram.arena);
     close_scratch(&tracer.scratch);
     return status;
 }

@@ -140,10 +140,9 @@ static enum gd_status append_switch(struct gd__diagram *diagram, uint32_t edge, 
         gd__point_of_edge(diagram->mesh, edge, t / diagram->mesh->side[2 * edge].length);
     struct gd__owner_change found = {.t = t, .before = before, .after = after};
     enum gd_status status = gd__diagram_add_node(diagram, &point, &found.node);
-    return status
-               ? status
-               : gd__arrays_append(&diagram->arrays, &diagram->edge_switch, &diagram->switch_count,
-                                   &diagram->switch_capacity, &found, sizeof found);
+    return status ? status
+                  : gd__arena_append(&diagram->arena, &diagram->edge_switch, &diagram->switch_count,
+                                     &diagram->switch_capacity, &found, sizeof found);
 }
 
 /* Returns the distance without the nudge. */

@@ -48,7 +48,7 @@ static enum gd_status make_room(struct writer *writer, uint64_t count)
              points = larger + writer->point_capacity;
     size_t lines = writer->line_capacity * sizeof(struct gd_bisector);
     enum gd_status status =
-        gd_control_afford(writer->how->control, writer->diagram->arrays.budget.held + lines +
+        gd_control_afford(writer->how->control, writer->diagram->arena.budget.held + lines +
                                                     points * sizeof *writer->point);
     return status ? status
                   : gd__array_extend(&writer->point, &writer->point_capacity, count,
@@ -182,8 +182,8 @@ static void write_line(struct writer *writer, uint32_t bisector_part, uint32_t n
         writer->point_count = line.first;
     else if (!writer->status)
         writer->status =
-            gd__arrays_append(&writer->diagram->arrays, &writer->line, &writer->line_count,
-                              &writer->line_capacity, &line, sizeof line);
+            gd__arena_append(&writer->diagram->arena, &writer->line, &writer->line_count,
+                             &writer->line_capacity, &line, sizeof line);
 }
 
 static bool ends_at(const struct gd__diagram *diagram, uint32_t bisector_part, int end)
@@ -261,8 +261,8 @@ enum gd_status gd__diagram_export(struct gd__diagram *diagram, const struct gd__
     struct writer writer = {
         .diagram = diagram, .how = how, .least = GD_TOL_CHECK * diagram->members.farthest};
     writer.visited =
-        gd__arrays_zeroed(&diagram->arrays, diagram->bisector_part_count, sizeof *writer.visited);
-    if (!writer.visited) return diagram->arrays.status;
+        gd__arena_zeroed(&diagram->arena, diagram->bisector_part_count, sizeof *writer.visited);
+    if (!writer.visited) return diagram->arena.status;
     writer.status = make_room_for_lines(&writer);
     write_lines(&writer);
     enum gd_status status = writer.status;

@@ -188,14 +188,14 @@ static void find_nudges(const struct gd_field *field, struct gd__members *member
 }
 
 enum gd_status gd__members_find(const struct gd_field *field, const uint32_t *member_of_seed,
-                                struct gd__arrays *arrays, struct gd__members *out)
+                                struct gd__arena *arena, struct gd__members *out)
 {
     uint32_t vertices = field->mesh->vertex_count;
     struct gd__members members = {0};
-    members.of = gd__arrays_take(arrays, (size_t)vertices + field->seed_count, sizeof *members.of);
-    members.nudge = gd__arrays_take(arrays, field->seed_count, sizeof *members.nudge);
-    members.of_block = gd__arrays_take(arrays, GD__MEMBER_BLOCKS, sizeof *members.of_block);
-    enum gd_status status = arrays->status;
+    members.of = gd__arena_take(arena, (size_t)vertices + field->seed_count, sizeof *members.of);
+    members.nudge = gd__arena_take(arena, field->seed_count, sizeof *members.nudge);
+    members.of_block = gd__arena_take(arena, GD__MEMBER_BLOCKS, sizeof *members.of_block);
+    enum gd_status status = arena->status;
     if (!status) status = assign_seeds(field, member_of_seed, members.of + vertices);
     for (uint32_t v = 0; v < vertices && !status; v++) members.of[v] = GD_NONE;
     if (!status) status = find_owners(field, &members);
@@ -277,13 +277,13 @@ enum gd_status gd_voronoi_labels(const struct gd_field *field, const uint32_t *m
 {
     const struct gd_mesh *mesh = field->mesh;
     struct gd__members members;
-    struct gd__arrays arrays = {0};
-    enum gd_status status = gd__members_find(field, member_of_seed, &arrays, &members);
+    struct gd__arena arena = {0};
+    enum gd_status status = gd__members_find(field, member_of_seed, &arena, &members);
     for (uint32_t i = 0; i < mesh->summary.index_count && !status; i++) {
         uint32_t vertex = mesh->vertex_of_index[i];
         bool is_known = vertex != GD_NONE && field->distance[vertex] <= field->reach;
         out[i] = is_known ? members.of[vertex] : UINT32_MAX;
     }
-    gd__arrays_free(&arrays);
+    gd__arena_free(&arena);
     return status;
 }

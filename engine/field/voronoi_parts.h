@@ -18,7 +18,7 @@
  * - Normalised unit. */
 #pragma once
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "base/prefetch.h"
 #include "base/pace.h"
 #include "field/source_view.h"
@@ -46,8 +46,8 @@ static inline uint32_t gd__member_of(const struct gd__members *members, uint32_t
 /* voronoi_members.c: finds the members and nudges. `member_of_seed` is that of gd_voronoi_trace.
  * Errors: GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_INTERNAL. */
 GD_MUST_USE enum gd_status gd__members_find(const struct gd_field *field,
-                                            const uint32_t *member_of_seed,
-                                            struct gd__arrays *arrays, struct gd__members *out);
+                                            const uint32_t *member_of_seed, struct gd__arena *arena,
+                                            struct gd__members *out);
 
 /* Assigns a point seed that lies on another member's segment to that member. Such a point is
  * nowhere strictly nearest, but the nudge might give it a region. Errors: GD_INTERNAL,
@@ -96,7 +96,7 @@ struct gd__diagram {
     const struct gd_field *field;
     const struct gd_mesh *mesh;
     const uint32_t *member_of_seed; /* NULL means that each seed is a member */
-    struct gd__arrays arrays;       /* those of this struct */
+    struct gd__arena arena;         /* those of this struct */
     struct gd__members members;
     /* for each vertex, members.of, or the member that wins a tie */
     uint32_t *owner;

@@ -88,11 +88,11 @@ static enum gd_status find_nearest(const struct gd_domain_curve *end, const doub
 {
     static const struct gd__curve_places wanted = {4, 512, 8192, true};
     struct gd_vec3 x = gd__surface_position(end->surface, at);
-    struct gd__arrays arrays = {.budget.control = pace->control};
+    struct gd__arena arena = {.budget.control = pace->control};
     uint32_t count, best = 0;
-    const double *places = gd__curve_places(end, &wanted, &arrays, &count);
+    const double *places = gd__curve_places(end, &wanted, &arena, &count);
     *apart = INFINITY;
-    if (!places) return arrays.status;
+    if (!places) return arena.status;
     for (uint32_t i = 0; i < count && gd__pace(pace, GD__STEP); i++) {
         double distance = distance_at(end, places[i], x);
         if (distance < *apart) *apart = distance, best = i;
@@ -101,7 +101,7 @@ static enum gd_status find_nearest(const struct gd_domain_curve *end, const doub
     if (count > 1)
         *s =
             narrow(end, places[best ? best - 1 : 0], places[best + 1 < count ? best + 1 : best], x);
-    gd__arrays_free(&arrays);
+    gd__arena_free(&arena);
     if (distance_at(end, *s, x) < *apart) *apart = distance_at(end, *s, x);
     return pace->status;
 }
@@ -110,10 +110,10 @@ static enum gd_status follow_curve(const struct gd_domain_curve *initial, struct
                                    struct gd__uv_polyline *out)
 {
     static const struct gd__curve_places wanted = {8, 2 * STEPS, 8192, true};
-    struct gd__arrays arrays = {.budget.control = pace->control};
+    struct gd__arena arena = {.budget.control = pace->control};
     uint32_t count;
-    const double *places = gd__curve_places(initial, &wanted, &arrays, &count);
-    enum gd_status status = arrays.status;
+    const double *places = gd__curve_places(initial, &wanted, &arena, &count);
+    enum gd_status status = arena.status;
     for (uint32_t i = 0; i < count && !status && gd__pace(pace, GD__STEP); i++) {
         struct gd__curve_jet jet;
         /* gd_domain_curve_at cannot be used, because it wraps the end of a closed curve to its
@@ -121,7 +121,7 @@ static enum gd_status follow_curve(const struct gd_domain_curve *initial, struct
         gd__curve_jet(initial, places[i], &jet);
         status = gd__uv_polyline_add(out, jet.at);
     }
-    gd__arrays_free(&arrays);
+    gd__arena_free(&arena);
     return status ? status : pace->status;
 }
 

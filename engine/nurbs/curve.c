@@ -72,13 +72,13 @@ uint32_t gd__curve_interval(const struct gd_domain_curve *curve, double s)
 }
 
 double *gd__curve_places(const struct gd_domain_curve *curve, const struct gd__curve_places *wanted,
-                         struct gd__arrays *arrays, uint32_t *count)
+                         struct gd__arena *arena, uint32_t *count)
 {
     uint32_t intervals = curve->is_point ? 0 : curve->break_count - 1, n = 0;
     uint32_t each = intervals ? (wanted->least + intervals - 1) / intervals : 0;
     if (each < wanted->each) each = wanted->each;
     if (each * intervals > wanted->most) each = wanted->most / intervals + 1;
-    double *s = gd__arrays_take(arrays, each * intervals + (size_t)1, sizeof *s);
+    double *s = gd__arena_take(arena, each * intervals + (size_t)1, sizeof *s);
     *count = 0;
     if (!s) return NULL;
     for (uint32_t i = 0; i < intervals; i++)
@@ -411,13 +411,13 @@ enum gd_status gd_domain_curve_inside(const struct gd_domain_curve *curve,
     if (!curve->surface->loops) return GD_OK;
     struct gd__pace pace = {.control = control};
     uint64_t cost = curve->surface->loops->samples.count / 4 + 1;
-    struct gd__arrays arrays = {.budget.control = control};
+    struct gd__arena arena = {.budget.control = control};
     uint32_t count;
-    const double *places = gd__curve_places(curve, &wanted, &arrays, &count);
+    const double *places = gd__curve_places(curve, &wanted, &arena, &count);
     for (uint32_t i = 0; i < count && *inside && gd__pace(&pace, cost); i++) {
         gd_domain_curve_at(curve, places[i], uv);
         *inside = gd_parametric_contains(curve->surface, uv[0], uv[1]);
     }
-    gd__arrays_free(&arrays);
-    return arrays.status ? arrays.status : pace.status;
+    gd__arena_free(&arena);
+    return arena.status ? arena.status : pace.status;
 }

@@ -1,7 +1,7 @@
 /* Domain curve: its smooth intervals, and evaluation. */
 #pragma once
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "gd/domain_curve.h"
 #include "nurbs/surface.h"
 
@@ -35,13 +35,13 @@ void gd__curve_jet_in(const struct gd_domain_curve *curve, uint32_t i, double s,
 /* Lists parameters in ascending order: at least `each` in each interval and at least `least` on the
  * whole curve, but not many more than `most`. The end of a closed curve is included only if
  * `with_end` is set. The list of a point has only the parameter 0. Returns NULL, and sets *count to
- * 0, if arrays->status is set. */
+ * 0, if arena->status is set. */
 struct gd__curve_places {
     uint32_t each, least, most;
     bool with_end;
 };
 double *gd__curve_places(const struct gd_domain_curve *curve, const struct gd__curve_places *wanted,
-                         struct gd__arrays *arrays, uint32_t *count);
+                         struct gd__arena *arena, uint32_t *count);
 
 /* Returns the interval of breaks that contains s, which must be in range. */
 uint32_t gd__curve_interval(const struct gd_domain_curve *curve, double s);

@@ -82,14 +82,14 @@ static double parts_of(const struct division *by, const struct cell_size *size, 
 }
 
 static enum gd_status nurbs_grid_divide(const struct cell_size *sizes, uint32_t cells,
-                                        const struct division *by, struct gd__arrays *arrays,
+                                        const struct division *by, struct gd__arena *arena,
                                         double **out, uint32_t *steps)
 {
     double count = 0;
     for (uint32_t i = 0; i < cells; i++) count += parts_of(by, &sizes[i], cells);
     if (!(count <= GD_TESSELLATION_FACES_MAX)) return GD_TOO_LARGE;
-    double *at = gd__arrays_take(arrays, (size_t)count + 1, sizeof *at);
-    if (!at) return arrays->status;
+    double *at = gd__arena_take(arena, (size_t)count + 1, sizeof *at);
+    if (!at) return arena->status;
     uint32_t filled = 0;
     for (uint32_t i = 0; i < cells; i++) {
         double parts = parts_of(by, &sizes[i], cells);
@@ -103,12 +103,12 @@ static enum gd_status nurbs_grid_divide(const struct cell_size *sizes, uint32_t 
 }
 
 enum gd_status gd__grid_make(const struct gd_parametric *surface,
-                             const struct gd_tessellation_options *options,
-                             struct gd__arrays *arrays, struct gd__grid *out)
+                             const struct gd_tessellation_options *options, struct gd__arena *arena,
+                             struct gd__grid *out)
 {
     static const struct gd_tessellation_options usual = {0};
     if (!options) options = &usual;
-    struct gd__arrays scratch = {.budget = arrays->budget};
+    struct gd__arena scratch = {.budget = arena->budget};
     struct cell_size *sizes[2] = {0};
     double lengths[2] = {0}, faces = options->faces ? options->faces : GD_TESSELLATION_FACES;
     uint32_t cells[2];
@@ -116,7 +116,7 @@ enum gd_status gd__grid_make(const struct gd_parametric *surface,
     for (int k = 0; k < 2; k++) {
         const struct gd_axis *axis = surface->axis[k];
         cells[k] = options->steps[0] ? 1 : axis->line_count + 1;
-        sizes[k] = gd__arrays_take(&scratch, cells[k], sizeof **sizes);
+        sizes[k] = gd__arena_take(&scratch, cells[k], sizeof **sizes);
         status = scratch.status;
         for (uint32_t i = 0; i < cells[k] && !status; i++)
             sizes[k][i] = options->steps[0] ? (struct cell_size){axis->low, axis->high, 0, 0}
@@ -126,9 +126,9 @@ enum gd_status gd__grid_make(const struct gd_parametric *surface,
     double step = sqrt(2 * lengths[0] * lengths[1] / faces);
     for (int k = 0; k < 2 && !status; k++) {
         const struct division by = {step, options->deviation, options->steps[k]};
-        status = nurbs_grid_divide(sizes[k], cells[k], &by, arrays, &out->at[k], &out->steps[k]);
+        status = nurbs_grid_divide(sizes[k], cells[k], &by, arena, &out->at[k], &out->steps[k]);
     }
-    gd__arrays_free(&scratch);
+    gd__arena_free(&scratch);
     if (!status && 2.0 * out->steps[0] * out->steps[1] > GD_TESSELLATION_FACES_MAX)
         status = GD_TOO_LARGE;
     return status;

@@ -1,7 +1,7 @@
 /* Grid: the parameters at which a surface is tessellated, in both directions. */
 #pragma once
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "gd/tessellation.h"
 #include "nurbs/surface.h"
 
@@ -17,7 +17,7 @@ struct gd__grid {
  * GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__grid_make(const struct gd_parametric *surface,
                                          const struct gd_tessellation_options *options,
-                                         struct gd__arrays *arrays, struct gd__grid *out);
+                                         struct gd__arena *arena, struct gd__grid *out);
 
 /* Returns the step that contains a parameter in [low, high]. Sets *part to the position of the
  * parameter in this step, from 0 to 1. */

@@ -14,13 +14,13 @@ struct places {
     struct gd_vec3 *x;
 };
 
-static enum gd_status meet_sample(const struct gd_domain_curve *curve, struct gd__arrays *arrays,
+static enum gd_status meet_sample(const struct gd_domain_curve *curve, struct gd__arena *arena,
                                   struct gd__pace *pace, struct places *out)
 {
     static const struct gd__curve_places wanted = {4, PLACES_LEAST, PLACES_MOST, true};
-    out->s = gd__curve_places(curve, &wanted, arrays, &out->count);
-    out->x = gd__arrays_take(arrays, out->count, sizeof *out->x);
-    if (arrays->status) return arrays->status;
+    out->s = gd__curve_places(curve, &wanted, arena, &out->count);
+    out->x = gd__arena_take(arena, out->count, sizeof *out->x);
+    if (arena->status) return arena->status;
     for (uint32_t i = 0; i < out->count && gd__pace(pace, GD__STEP); i++) {
         struct gd__curve_jet jet;
         gd__curve_jet(curve, out->s[i], &jet);
@@ -123,12 +123,12 @@ enum gd_status gd__curves_meetings(const struct gd_domain_curve *a, const struct
                                    const struct gd_control *control, struct gd__meeting *out,
                                    uint32_t most, uint32_t *count)
 {
-    struct gd__arrays arrays = {.budget.control = control};
+    struct gd__arena arena = {.budget.control = control};
     struct places of_a, of_b;
     struct gd__pace pace = {.control = control};
     double near = nearness(a->surface);
-    enum gd_status status = meet_sample(a, &arrays, &pace, &of_a);
-    if (!status) status = meet_sample(b, &arrays, &pace, &of_b);
+    enum gd_status status = meet_sample(a, &arena, &pace, &of_a);
+    if (!status) status = meet_sample(b, &arena, &pace, &of_b);
     uint32_t found = 0;
     for (uint32_t i = 0; i < of_a.count && !status && found < most; i++) {
         status = gd_control_check(control, 0);
@@ -139,7 +139,7 @@ enum gd_status gd__curves_meetings(const struct gd_domain_curve *a, const struct
             status = pace.status;
         }
     }
-    gd__arrays_free(&arrays);
+    gd__arena_free(&arena);
     if (!status) *count = found;
     return status;
 }

@@ -225,18 +225,18 @@ enum gd_status gd_parametric_nearest(const struct gd_parametric *surface, struct
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the point has a coordinate that is not finite");
     const struct gd_tessellation_options options = {.faces = GRID_FACES};
-    struct gd__arrays arrays = {.budget.control = control};
+    struct gd__arena arena = {.budget.control = control};
     struct gd__grid grid;
     struct gd_parametric_closest best = {.distance = INFINITY};
     double *distance = NULL;
-    enum gd_status status = gd__grid_make(surface, &options, &arrays, &grid);
+    enum gd_status status = gd__grid_make(surface, &options, &arena, &grid);
     if (!status)
-        distance = gd__arrays_take(
-            &arrays, (grid.steps[0] + (size_t)1) * (grid.steps[1] + (size_t)1), sizeof *distance);
-    if (!status) status = arrays.status;
+        distance = gd__arena_take(&arena, (grid.steps[0] + (size_t)1) * (grid.steps[1] + (size_t)1),
+                                  sizeof *distance);
+    if (!status) status = arena.status;
     if (!status) status = nurbs_nearest_search(surface, xyz, &grid, control, distance, &best);
     if (!status && surface->loops) status = nearest_on_loops(surface, xyz, control, &best);
-    gd__arrays_free(&arrays);
+    gd__arena_free(&arena);
     if (status) return gd_fail_status(detail, status);
     *out = best;
     return GD_OK;

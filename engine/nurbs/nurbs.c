@@ -9,15 +9,15 @@
 
 /* --- one direction ---------------------------------------------------------------------------- */
 
-static void take_knots(struct gd__knots *out, struct gd__arrays *arrays, uint32_t degree,
+static void take_knots(struct gd__knots *out, struct gd__arena *arena, uint32_t degree,
                        uint32_t count, const double *knots, bool is_short)
 {
     uint32_t total = count + degree + 1;
     *out = (struct gd__knots){.degree = degree, .count = count};
-    out->knots = gd__arrays_take(arrays, total, sizeof *out->knots);
-    out->lines = gd__arrays_take(arrays, count, sizeof *out->lines);
-    out->spans = gd__arrays_take(arrays, count, sizeof *out->spans);
-    if (arrays->status) return;
+    out->knots = gd__arena_take(arena, total, sizeof *out->knots);
+    out->lines = gd__arena_take(arena, count, sizeof *out->lines);
+    out->spans = gd__arena_take(arena, count, sizeof *out->spans);
+    if (arena->status) return;
     memcpy(out->knots + is_short, knots, (total - 2 * is_short) * sizeof *knots);
     if (is_short) {
         out->knots[0] = out->knots[1];
@@ -36,7 +36,7 @@ void gd__nurbs_destroy(void *shape)
 {
     struct gd__nurbs *nurbs = shape;
     if (!nurbs) return;
-    gd__arrays_free(&nurbs->arrays);
+    gd__arena_free(&nurbs->arena);
     free(nurbs);
 }
 
@@ -46,7 +46,7 @@ static void take_points(struct gd__nurbs *nurbs, const struct gd_nurbs_data *dat
 {
     bool multiplied = data->convention == GD_NURBS_VERB || data->convention == GD_NURBS_RHINO;
     size_t count = (size_t)data->count_u * data->count_v;
-    nurbs->control = gd__arrays_take(&nurbs->arrays, count, sizeof *nurbs->control);
+    nurbs->control = gd__arena_take(&nurbs->arena, count, sizeof *nurbs->control);
     if (!nurbs->control) return;
     for (size_t i = 0; i < count; i++) {
         double weight = data->weights ? data->weights[i] : 1;
@@ -132,17 +132,17 @@ enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data, struct gd_param
     bool rhino = data->convention == GD_NURBS_RHINO;
     struct gd__nurbs *nurbs = calloc(1, sizeof *nurbs);
     if (!nurbs) return gd_fail_status(detail, GD_NO_MEMORY);
-    take_knots(&nurbs->u, &nurbs->arrays, data->degree_u, data->count_u, data->knots_u, rhino);
-    take_knots(&nurbs->v, &nurbs->arrays, data->degree_v, data->count_v, data->knots_v, rhino);
+    take_knots(&nurbs->u, &nurbs->arena, data->degree_u, data->count_u, data->knots_u, rhino);
+    take_knots(&nurbs->v, &nurbs->arena, data->degree_v, data->count_v, data->knots_v, rhino);
     take_points(nurbs, data);
-    if (nurbs->arrays.status) {
+    if (nurbs->arena.status) {
         gd__nurbs_destroy(nurbs);
         return gd_fail_status(detail, GD_NO_MEMORY);
     }
     struct gd_evaluator evaluator = {.jet = gd__nurbs_jet,
                                      .destroy = gd__nurbs_destroy,
                                      .shape = nurbs,
-                                     .bytes = sizeof *nurbs + nurbs->arrays.budget.held};
+                                     .bytes = sizeof *nurbs + nurbs->arena.budget.held};
     axis_of(&nurbs->u, &evaluator.u);
     axis_of(&nurbs->v, &evaluator.v);
     double size = nurbs_extent(nurbs);

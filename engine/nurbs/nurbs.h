@@ -1,7 +1,7 @@
 /* NURBS surface: knots and control points. */
 #pragma once
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "gd/nurbs.h"
 
 /* One direction of the surface: all n + degree + 1 knots, and the non-empty spans, which are the
@@ -15,7 +15,7 @@ struct gd__knots {
 };
 
 struct gd__nurbs {
-    struct gd__arrays arrays;
+    struct gd__arena arena;
     struct gd__knots u, v;
     /* homogeneous coordinates (w x, w y, w z, w), where (x, y, z) is relative to `centre` */
     double (*control)[4];

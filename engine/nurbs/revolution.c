@@ -53,11 +53,11 @@ static enum gd_status take_profile(const struct gd_profile *profile, struct gd_p
     if (profile->count > GD_NURBS_COUNT_MAX)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the profile has more than %d points",
                        GD_NURBS_COUNT_MAX);
-    struct gd__arrays arrays = {0};
-    double(*points)[3] = gd__arrays_take(&arrays, 2 * (size_t)profile->count, sizeof *points);
-    double *weights = gd__arrays_take(&arrays, 2 * (size_t)profile->count, sizeof *weights);
+    struct gd__arena arena = {0};
+    double(*points)[3] = gd__arena_take(&arena, 2 * (size_t)profile->count, sizeof *points);
+    double *weights = gd__arena_take(&arena, 2 * (size_t)profile->count, sizeof *weights);
     double width = revolution_extent(profile);
-    enum gd_status status = arrays.status ? gd_fail_status(detail, arrays.status) : GD_OK;
+    enum gd_status status = arena.status ? gd_fail_status(detail, arena.status) : GD_OK;
     for (uint32_t i = 0; i < 2 * profile->count && !status; i++) {
         const double *point = profile->points[i / 2];
         points[i][0] = point[0], points[i][1] = i % 2 * width, points[i][2] = point[1];
@@ -74,7 +74,7 @@ static enum gd_status take_profile(const struct gd_profile *profile, struct gd_p
                                  .points = (const double(*)[3])points,
                                  .weights = weights};
     if (!status) status = gd_nurbs_create(&data, out, detail);
-    gd__arrays_free(&arrays);
+    gd__arena_free(&arena);
     return status;
 }
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/array.h"
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "base/tolerance.h"
 #include "gd/field.h"
 #include "mesh/union_find.h"
@@ -37,7 +37,7 @@ struct side {
 
 struct search {
     const struct gd_tessellation *tessellation;
-    struct gd__arrays arrays;
+    struct gd__arena arena;
     struct side side[2];
     struct gd__path_seeds seeds;
     struct gd__pace pace;
@@ -59,9 +59,9 @@ static enum gd_status place_side(struct search *search, struct side *side, struc
     struct gd__pace *pace = &search->pace;
     const struct gd_domain_curve *curve = side->curve;
     static const struct gd__curve_places wanted = {2, PLACES_LEAST, PLACES_MOST, false};
-    side->s = gd__curve_places(curve, &wanted, &search->arrays, &side->count);
-    side->seeds = gd__arrays_zeroed(&search->arrays, side->count, sizeof *side->seeds);
-    enum gd_status status = search->arrays.status;
+    side->s = gd__curve_places(curve, &wanted, &search->arena, &side->count);
+    side->seeds = gd__arena_zeroed(&search->arena, side->count, sizeof *side->seeds);
+    enum gd_status status = search->arena.status;
     if (status) return gd_fail_status(detail, status);
     for (uint32_t i = 0; i < side->count && !status && gd__pace(pace, GD__STEP); i++) {
         double uv[2];
@@ -81,9 +81,9 @@ static enum gd_status measure_side(struct search *search, struct side *side,
     struct gd_field_request request = {.seeds = side->seeds, .seed_count = side->count};
     status = gd_field_build(t->mesh, &request, search->pace.control, &side->field, detail);
     if (status) return status;
-    side->distance = gd__arrays_take(&search->arrays, gd_mesh_summary(t->mesh)->index_count,
-                                     sizeof *side->distance);
-    if (!side->distance) return gd_fail_status(detail, search->arrays.status);
+    side->distance = gd__arena_take(&search->arena, gd_mesh_summary(t->mesh)->index_count,
+                                    sizeof *side->distance);
+    if (!side->distance) return gd_fail_status(detail, search->arena.status);
     gd_field_vertex_distances(side->field, side->distance);
     return GD_OK;
 }
@@ -320,10 +320,10 @@ static void find_plateaus(const struct crossing *list, uint32_t count, uint32_t 
 static enum gd_status add_plateaus(struct search *search, const struct crossing *list,
                                    uint32_t count, struct gd_detail *detail)
 {
-    uint32_t *parent = gd__arrays_take(&search->arrays, count, sizeof *parent),
-             *seen = gd__arrays_zeroed(&search->arrays, count, sizeof *seen);
-    struct plateau *plateaus = gd__arrays_take(&search->arrays, count, sizeof *plateaus);
-    enum gd_status status = search->arrays.status;
+    uint32_t *parent = gd__arena_take(&search->arena, count, sizeof *parent),
+             *seen = gd__arena_zeroed(&search->arena, count, sizeof *seen);
+    struct plateau *plateaus = gd__arena_take(&search->arena, count, sizeof *plateaus);
+    enum gd_status status = search->arena.status;
     if (!status) find_plateaus(list, count, parent, plateaus);
     for (uint32_t i = 0; i < count && !status; i++) {
         uint32_t root = gd__union_find_root(parent, i);
@@ -331,14 +331,14 @@ static enum gd_status add_plateaus(struct search *search, const struct crossing 
             search->seeds.count < SEEDS_MOST)
             status = add_crossing(search, &list[i], detail);
     }
-    return search->arrays.status ? gd_fail_status(detail, status) : status;
+    return search->arena.status ? gd_fail_status(detail, status) : status;
 }
 
 static enum gd_status add_middles(struct search *search, double shortest, struct gd_detail *detail)
 {
     struct crossing *list =
-        gd__arrays_take(&search->arrays, list_crossings(search, NULL), sizeof *list);
-    if (!list) return gd_fail_status(detail, search->arrays.status);
+        gd__arena_take(&search->arena, list_crossings(search, NULL), sizeof *list);
+    if (!list) return gd_fail_status(detail, search->arena.status);
     uint32_t count = list_crossings(search, list);
     qsort(list, count, sizeof *list, by_edge);
     enum gd_status status = search->pace.status;
@@ -369,8 +369,8 @@ static enum gd_status find_ends(struct search *search, int k, double *distance, 
 static enum gd_status add_ends(struct search *search, int k, double *shortest)
 {
     const struct side *side = &search->side[k];
-    double *distance = gd__arrays_take(&search->arrays, side->count, sizeof *distance);
-    if (!distance) return search->arrays.status;
+    double *distance = gd__arena_take(&search->arena, side->count, sizeof *distance);
+    if (!distance) return search->arena.status;
     enum gd_status status = find_ends(search, k, distance, shortest);
     uint32_t n = side->count;
     bool around = side->curve->closed;
@@ -440,7 +440,7 @@ enum gd_status gd__path_seeds_find(const struct gd_tessellation *tessellation,
 {
     const struct gd_control own = gd__share_control(share, 0);
     struct search search = {.tessellation = tessellation,
-                            .arrays.budget.control = &own,
+                            .arena.budget.control = &own,
                             .side = {{.curve = from}, {.curve = to}},
                             .pace = {.control = &own},
                             .all = all};
@@ -455,7 +455,7 @@ enum gd_status gd__path_seeds_find(const struct gd_tessellation *tessellation,
     if (!status && !search.seeds.count)
         status = gd_fail(detail, GD_INTERNAL, "no path was found on the tessellation");
     for (int k = 0; k < 2; k++) gd_field_release(search.side[k].field);
-    gd__arrays_free(&search.arrays);
+    gd__arena_free(&search.arena);
     if (!status)
         status =
             sift(tessellation->surface, all ? SEEDS_MOST : SEEDS_FEW, &search.pace, &search.seeds);

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "base/tolerance.h"
 #include "nurbs/energy.h"
 
@@ -347,11 +347,11 @@ static enum gd_status solve_refine(const struct gd__task *task, struct gd__solut
                                    bool *done)
 {
     uint32_t spans = gd__chain_spans(solution->chain);
-    struct gd__arrays arrays = {0};
-    double *errors = gd__arrays_take(&arrays, spans, sizeof *errors);
-    bool *marked = gd__arrays_take(&arrays, spans, sizeof *marked);
+    struct gd__arena arena = {0};
+    double *errors = gd__arena_take(&arena, spans, sizeof *errors);
+    bool *marked = gd__arena_take(&arena, spans, sizeof *marked);
     struct gd__chain *finer = NULL;
-    enum gd_status status = arrays.status;
+    enum gd_status status = arena.status;
     double before = solution->report.length;
     if (!status) {
         double sum = solve_mark(task, solution, errors, marked);
@@ -363,7 +363,7 @@ static enum gd_status solve_refine(const struct gd__task *task, struct gd__solut
             if (!finer) status = GD_NO_MEMORY;
         }
     }
-    gd__arrays_free(&arrays);
+    gd__arena_free(&arena);
     if (!finer) return status;
     free(solution->chain);
     solution->chain = finer;

@@ -6,15 +6,15 @@
 
 void gd__tessellation_take_nodes(struct gd_tessellation *t, size_t nodes)
 {
-    t->vertex_of = gd__arrays_take(&t->arrays, nodes, sizeof *t->vertex_of);
-    t->node_of = gd__arrays_take(&t->arrays, nodes, sizeof *t->node_of);
-    t->polygons.positions = gd__arrays_take(&t->arrays, nodes, sizeof *t->polygons.positions);
+    t->vertex_of = gd__arena_take(&t->arena, nodes, sizeof *t->vertex_of);
+    t->node_of = gd__arena_take(&t->arena, nodes, sizeof *t->node_of);
+    t->polygons.positions = gd__arena_take(&t->arena, nodes, sizeof *t->polygons.positions);
 }
 
 void gd__tessellation_take_faces(struct gd_tessellation *t, size_t faces)
 {
-    t->polygons.corners = gd__arrays_take(&t->arrays, 3 * faces, sizeof *t->polygons.corners);
-    t->corners = gd__arrays_take(&t->arrays, faces, sizeof *t->corners);
+    t->polygons.corners = gd__arena_take(&t->arena, 3 * faces, sizeof *t->polygons.corners);
+    t->corners = gd__arena_take(&t->arena, faces, sizeof *t->corners);
 }
 
 /* --- nodes to vertices ------------------------------------------------------------------------ */
@@ -38,7 +38,7 @@ static enum gd_status make_vertices(struct gd_tessellation *t, const struct gd_c
 {
     uint32_t nodes = gd__node_count(&t->grid);
     gd__tessellation_take_nodes(t, nodes);
-    enum gd_status status = t->arrays.status;
+    enum gd_status status = t->arena.status;
     if (status) return status;
     for (uint32_t node = 0; node < nodes; node++) {
         uint32_t first = representative(t->surface, &t->grid, node);
@@ -99,8 +99,8 @@ static enum gd_status make_faces(struct gd_tessellation *t, const struct gd_cont
 {
     uint32_t cells = t->grid.steps[0] * t->grid.steps[1];
     gd__tessellation_take_faces(t, 2 * (size_t)cells);
-    t->first_face = gd__arrays_take(&t->arrays, cells + (size_t)1, sizeof *t->first_face);
-    enum gd_status status = t->arrays.status;
+    t->first_face = gd__arena_take(&t->arena, cells + (size_t)1, sizeof *t->first_face);
+    enum gd_status status = t->arena.status;
     if (status) return status;
     for (uint32_t cell = 0; cell < cells; cell++) {
         if (cell % 4096 == 0 && (status = gd_control_check(control, 0.3))) return status;
@@ -129,8 +129,8 @@ enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
     struct gd_tessellation *t = calloc(1, sizeof *t);
     if (!t) return gd_fail_status(detail, GD_NO_MEMORY);
     t->surface = gd_parametric_retain(surface);
-    t->arrays.budget.control = control;
-    enum gd_status status = gd__grid_make(surface, options, &t->arrays, &t->grid);
+    t->arena.budget.control = control;
+    enum gd_status status = gd__grid_make(surface, options, &t->arena, &t->grid);
     if (!status && surface->loops) {
         status = gd__tessellation_trim(t, control);
     } else if (!status) {
@@ -141,7 +141,7 @@ enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
         gd_fail_status(detail, status);
     else
         status = gd_mesh_build(&t->polygons, NULL, control, &t->mesh, detail);
-    t->arrays.budget.control = NULL;
+    t->arena.budget.control = NULL;
     if (status)
         gd_tessellation_release(t);
     else
@@ -155,13 +155,13 @@ void gd_tessellation_release(const struct gd_tessellation *tessellation)
     if (!own) return;
     gd_parametric_release(own->surface);
     gd_mesh_release(own->mesh);
-    gd__arrays_free(&own->arrays);
+    gd__arena_free(&own->arena);
     free(own);
 }
 
 size_t gd_tessellation_memsize(const struct gd_tessellation *t)
 {
-    return sizeof *t + gd_mesh_memsize(t->mesh) + t->arrays.budget.held;
+    return sizeof *t + gd_mesh_memsize(t->mesh) + t->arena.budget.held;
 }
 
 const struct gd_parametric *gd_tessellation_surface(const struct gd_tessellation *tessellation)

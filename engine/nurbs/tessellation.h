@@ -1,7 +1,7 @@
 /* Tessellation: the grid, and the faces of each grid cell. */
 #pragma once
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "nurbs/grid.h"
 
 /* Node (i, j) of the grid has the number i * (steps[1] + 1) + j. In a closed direction the last
@@ -9,7 +9,7 @@
  * loops, in any order. */
 struct gd_tessellation {
     const struct gd_parametric *surface;
-    struct gd__arrays arrays; /* those of the grid, the polygons and this struct */
+    struct gd__arena arena; /* those of the grid, the polygons and this struct */
     struct gd__grid grid;
     struct gd_polygons polygons;
     struct gd_mesh *mesh;

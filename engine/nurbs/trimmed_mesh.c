@@ -16,7 +16,7 @@ enum { MARKS_A_STEP = 4 };
 
 struct meshing {
     struct gd_tessellation *t;
-    struct gd__arrays arrays;
+    struct gd__arena arena;
     struct gd__pace pace;
     struct gd__loop_samples samples;
     bool *omitted;       /* for each grid node, true if it is near a loop */
@@ -70,9 +70,9 @@ static void omit_along(struct meshing *m, const double a[2], const double b[2])
 static enum gd_status omit_nodes(struct meshing *m)
 {
     uint32_t nodes = gd__node_count(&m->t->grid);
-    m->omitted = gd__arrays_zeroed(&m->arrays, nodes, sizeof *m->omitted);
-    m->number_of = gd__arrays_take(&m->arrays, nodes, sizeof *m->number_of);
-    if (m->arrays.status) return m->arrays.status;
+    m->omitted = gd__arena_zeroed(&m->arena, nodes, sizeof *m->omitted);
+    m->number_of = gd__arena_take(&m->arena, nodes, sizeof *m->number_of);
+    if (m->arena.status) return m->arena.status;
     for (uint32_t i = 0; i < m->t->surface->loops->count; i++) {
         uint32_t first = m->samples.first[i], count = m->samples.first[i + 1] - first;
         for (uint32_t k = 0; k < count; k++)
@@ -111,10 +111,10 @@ static enum gd_status list_places(struct meshing *m)
     const struct gd__loops *loops = m->t->surface->loops;
     uint32_t nodes = gd__node_count(grid);
     size_t border = 2 * ((size_t)grid->steps[0] + grid->steps[1]), most = m->samples.count + nodes;
-    m->uv = gd__arrays_take(&m->arrays, most, sizeof *m->uv);
-    m->nodes = gd__arrays_take(&m->arrays, most, sizeof *m->nodes);
-    m->segments = gd__arrays_take(&m->arrays, m->samples.count + border, sizeof *m->segments);
-    if (m->arrays.status) return m->arrays.status;
+    m->uv = gd__arena_take(&m->arena, most, sizeof *m->uv);
+    m->nodes = gd__arena_take(&m->arena, most, sizeof *m->nodes);
+    m->segments = gd__arena_take(&m->arena, m->samples.count + border, sizeof *m->segments);
+    if (m->arena.status) return m->arena.status;
     memcpy(m->uv, m->samples.at, m->samples.count * sizeof *m->uv);
     m->count = m->samples.count;
     for (uint32_t i = 0; i < loops->count; i++) {
@@ -180,8 +180,8 @@ static int by_place(const void *x, const void *y)
 static enum gd_status make_vertices(struct meshing *m)
 {
     struct gd_tessellation *t = m->t;
-    struct place *places = gd__arrays_take(&m->arrays, t->node_count, sizeof *places);
-    if (!places) return m->arrays.status;
+    struct place *places = gd__arena_take(&m->arena, t->node_count, sizeof *places);
+    if (!places) return m->arena.status;
     for (uint32_t i = 0; i < t->node_count; i++) {
         memcpy(places[i].at, t->node_uv[i], sizeof places[i].at);
         represent(t->surface, places[i].at);
@@ -217,11 +217,11 @@ static void make_faces(struct gd_tessellation *t, const struct gd__triangulation
 static enum gd_status take_nodes(struct meshing *m)
 {
     struct gd_tessellation *t = m->t;
-    uint32_t *number = gd__arrays_take(&m->arrays, m->count, sizeof *number);
+    uint32_t *number = gd__arena_take(&m->arena, m->count, sizeof *number);
     gd__tessellation_take_nodes(t, m->count);
     gd__tessellation_take_faces(t, m->found.count);
-    t->node_uv = gd__arrays_take(&t->arrays, m->count, sizeof *t->node_uv);
-    if (!number || t->arrays.status) return number ? t->arrays.status : m->arrays.status;
+    t->node_uv = gd__arena_take(&t->arena, m->count, sizeof *t->node_uv);
+    if (!number || t->arena.status) return number ? t->arena.status : m->arena.status;
     memset(number, 0xff, m->count * sizeof *number);
     for (uint32_t f = 0; f < m->found.count && gd__pace(&m->pace, 1); f++)
         for (int k = 0; k < 3; k++) {
@@ -238,7 +238,7 @@ static enum gd_status take_nodes(struct meshing *m)
 enum gd_status gd__tessellation_trim(struct gd_tessellation *t, const struct gd_control *control)
 {
     struct meshing m = {
-        .t = t, .arrays.budget.control = control, .pace = {.control = control, .fraction = 0.2}};
+        .t = t, .arena.budget.control = control, .pace = {.control = control, .fraction = 0.2}};
     const struct gd__grid *grid = &t->grid;
     double longest = fmin(1.0 / grid->steps[0], 1.0 / grid->steps[1]);
     enum gd_status status = gd__loops_sample(t->surface->loops, longest, &m.pace, &m.samples);
@@ -251,6 +251,6 @@ enum gd_status gd__tessellation_trim(struct gd_tessellation *t, const struct gd_
     if (!status && !t->polygons.polygon_count) status = GD_INTERNAL;
     gd__loop_samples_free(&m.samples);
     free(m.found.triangles);
-    gd__arrays_free(&m.arrays);
+    gd__arena_free(&m.arena);
     return status;
 }

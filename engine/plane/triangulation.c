@@ -8,7 +8,7 @@
 
 void gd__plane_free(struct gd__plane *plane)
 {
-    gd__arrays_free(&plane->arrays);
+    gd__arena_free(&plane->arena);
     *plane = (struct gd__plane){0};
 }
 
@@ -21,12 +21,12 @@ size_t gd__plane_bytes(uint32_t capacity)
 enum gd_status gd__plane_create(struct gd__plane *plane, uint32_t capacity)
 {
     plane->capacity = capacity;
-    struct gd__arrays *arrays = &plane->arrays;
-    plane->sites = gd__arrays_take(arrays, capacity, sizeof *plane->sites);
-    plane->triangle_at = gd__arrays_take(arrays, capacity, sizeof *plane->triangle_at);
-    plane->triangles = gd__arrays_take(arrays, TRIANGLES(capacity), sizeof *plane->triangles);
-    plane->queue = gd__arrays_take(arrays, 3 * TRIANGLES(capacity), sizeof *plane->queue);
-    return arrays->status;
+    struct gd__arena *arena = &plane->arena;
+    plane->sites = gd__arena_take(arena, capacity, sizeof *plane->sites);
+    plane->triangle_at = gd__arena_take(arena, capacity, sizeof *plane->triangle_at);
+    plane->triangles = gd__arena_take(arena, TRIANGLES(capacity), sizeof *plane->triangles);
+    plane->queue = gd__arena_take(arena, 3 * TRIANGLES(capacity), sizeof *plane->queue);
+    return arena->status;
 }
 
 /* --- triangles -------------------------------------------------------------------------------- */

@@ -12,7 +12,7 @@
  * the edges that they cross (Sloan 1993). */
 #pragma once
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "base/pace.h"
 #include "gd/polygons.h"
 #include "plane/site.h"
@@ -31,7 +31,7 @@ struct gd__plane_side {
 
 struct gd__plane {
     struct gd__pace *pace; /* borrowed */
-    struct gd__arrays arrays;
+    struct gd__arena arena;
     /* Returns true if the common side of two triangles is to be flipped. Must return false if the
        triangles do not form a strictly convex quadrilateral. It is not called for segments. */
     bool (*is_bad)(const struct gd__plane *plane, struct gd__plane_side side);

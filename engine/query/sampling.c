@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "base/share.h"
 #include "gd/field.h"
 #include "mesh/topology.h"
@@ -95,15 +95,15 @@ enum gd_status gd_sampling_farthest(const struct gd_mesh *mesh, const struct gd_
                   indices * sizeof(double);
     enum gd_status status = gd_control_afford(control, held);
     if (status) return status;
-    struct gd__arrays arrays = {0};
+    struct gd__arena arena = {0};
     struct sampler sampler = {.mesh = mesh, .detail = detail};
-    sampler.seeds = gd__arrays_zeroed(&arrays, count + (size_t)1, sizeof *sampler.seeds);
-    sampler.radii = gd__arrays_take(&arrays, count, sizeof *sampler.radii);
-    sampler.distances = gd__arrays_take(&arrays, indices, sizeof *sampler.distances);
-    status = arrays.status;
+    sampler.seeds = gd__arena_zeroed(&arena, count + (size_t)1, sizeof *sampler.seeds);
+    sampler.radii = gd__arena_take(&arena, count, sizeof *sampler.radii);
+    sampler.distances = gd__arena_take(&arena, indices, sizeof *sampler.distances);
+    status = arena.status;
     if (!status) status = sampling_sample(&sampler, start, count, control, held);
     for (uint32_t i = 0; i < count && !status; i++) out->points[i] = sampler.seeds[i].point;
     if (!status) memcpy(out->radii, sampler.radii, count * sizeof *out->radii);
-    gd__arrays_free(&arrays);
+    gd__arena_free(&arena);
     return status;
 }

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "render/legend.h"
 #include "render/request.h"
 #include "render/shade.h"
@@ -135,14 +135,13 @@ static enum gd_status view_choose(const struct chooser *chooser, const struct gd
  * visible. Sets *out to the best direction. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
  * GD_DEADLINE. Cost: O(faces) for each of up to 16 directions. */
 static enum gd_status direction_choose(const struct gd_mesh *mesh, struct gd_vec3 up,
-                                       const struct subject *subject, struct gd__arrays *arrays,
+                                       const struct subject *subject, struct gd__arena *arena,
                                        const struct gd_control *control, struct gd_vec3 *out)
 {
-    struct chooser chooser = {
-        .mesh = mesh, .up = up, .subject = subject, .budget = &arrays->budget};
-    chooser.points = gd__arrays_take(arrays, mesh->vertex_count, sizeof *chooser.points);
-    chooser.line = gd__arrays_take(arrays, subject->count, sizeof *chooser.line);
-    return arrays->status ? arrays->status : view_choose(&chooser, control, out);
+    struct chooser chooser = {.mesh = mesh, .up = up, .subject = subject, .budget = &arena->budget};
+    chooser.points = gd__arena_take(arena, mesh->vertex_count, sizeof *chooser.points);
+    chooser.line = gd__arena_take(arena, subject->count, sizeof *chooser.line);
+    return arena->status ? arena->status : view_choose(&chooser, control, out);
 }
 
 /* The state of one picture. Before it is opened, all members except the request are zero. */
@@ -150,7 +149,7 @@ struct studio {
     const struct gd_picture *picture;
     const struct gd_mesh *mesh;
     struct gd__palette palette;
-    struct gd__arrays arrays;
+    struct gd__arena arena;
     struct gd__share share; /* progress, in parts that count as equally long */
     struct gd__legend legend;
     struct gd__scale scale; /* if there is a field */
@@ -206,8 +205,8 @@ static enum gd_status find_subject(struct studio *studio, struct subject *out)
     uint64_t stride = path ? 1 : 1 + all / SUBJECT_MOST;
     uint32_t count = path ? path->count : list_points(studio, stride, NULL);
     if (!count && studio->has_source) count = 1;
-    struct gd_vec3 *points = gd__arrays_take(&studio->arrays, count + (size_t)1, sizeof *points);
-    if (!points) return studio->arrays.status;
+    struct gd_vec3 *points = gd__arena_take(&studio->arena, count + (size_t)1, sizeof *points);
+    if (!points) return studio->arena.status;
     if (studio->has_source) points[0] = inside(studio->mesh, studio->source);
     for (uint32_t i = 0; path && i < count; i++)
         points[i] = inside(studio->mesh, studio->layers.path_points[i]);
@@ -222,10 +221,10 @@ static enum gd_status picture_aim(struct studio *studio, const struct subject *s
     struct gd_vec3 direction = picture->view == GD_VIEW_DIRECTION
                                    ? picture->direction
                                    : gd__view_direction(picture->view, picture->up);
-    struct gd_control control = gd__share_control(&studio->share, studio->arrays.budget.held);
+    struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
     enum gd_status status = GD_OK;
     if (picture->view == GD_VIEW_CHOSEN && subject->count)
-        status = direction_choose(studio->mesh, picture->up, subject, &studio->arrays, &control,
+        status = direction_choose(studio->mesh, picture->up, subject, &studio->arena, &control,
                                   &direction);
     if (status) return status;
     struct gd__viewport window = gd__legend_window(&studio->legend);
@@ -250,20 +249,20 @@ static enum gd_status open_surface(struct studio *studio)
                                          .height = studio->legend.height,
                                          .grid = GRID,
                                          .rows = gd__raster_rows(studio->legend.width),
-                                         .budget = &studio->arrays.budget};
+                                         .budget = &studio->arena.budget};
     studio->shade = (struct gd__shade){.raster = &studio->raster,
                                        .camera = &studio->camera,
                                        .palette = &studio->palette,
                                        .field = studio->picture->field,
                                        .range = studio->scale.range,
                                        .edges = studio->picture->edges};
-    struct gd_control control = gd__share_control(&studio->share, studio->arrays.budget.held);
+    struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
     enum gd_status status = gd__raster_open(&studio->raster, &control);
     if (!status) status = gd__shade_open(&studio->shade, &control);
     if (!status) status = gd__depth_buffer_open(&studio->buffer, &studio->raster);
     if (!status)
         status = gd__image_open(&studio->image, studio->raster.width, studio->raster.height,
-                                &studio->arrays.budget);
+                                &studio->arena.budget);
     studio->image.is_opaque = !studio->palette.is_transparent;
     return status;
 }
@@ -271,13 +270,13 @@ static enum gd_status open_surface(struct studio *studio)
 static enum gd_status draw_surface(struct studio *studio)
 {
     const struct gd_mesh *mesh = studio->mesh;
-    studio->points = gd__arrays_take(&studio->arrays, mesh->vertex_count, sizeof *studio->points);
-    if (!studio->points) return studio->arrays.status;
+    studio->points = gd__arena_take(&studio->arena, mesh->vertex_count, sizeof *studio->points);
+    if (!studio->points) return studio->arena.status;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         studio->points[v] = gd__camera_project(&studio->camera, mesh->position[v]);
     enum gd_status status = open_surface(studio);
     for (uint32_t band = 0; !status && band < studio->raster.bands; band++) {
-        struct gd_control control = gd__share_control(&studio->share, studio->arrays.budget.held);
+        struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
         status = gd__raster_fill(&studio->raster, band, &control);
         studio->share.done++;
         if (!status) status = gd__shade_band(&studio->shade, band, &control, &studio->image);
@@ -309,7 +308,7 @@ static enum gd_status find_isolines(struct studio *studio)
     struct gd__isoline_request request = {.picture = studio->picture,
                                           .scale = &studio->scale,
                                           .share = &studio->share,
-                                          .budget = &studio->arrays.budget,
+                                          .budget = &studio->arena.budget,
                                           .tolerance = LINE_TOLERANCE / studio->camera.scale *
                                                        studio->mesh->unit,
                                           .take = isoline_line_split,
@@ -324,10 +323,10 @@ static enum gd_status find_lines(struct studio *studio)
                                        .camera = &studio->camera,
                                        .buffer = &studio->buffer,
                                        .palette = &studio->palette,
-                                       .budget = &studio->arrays.budget,
+                                       .budget = &studio->arena.budget,
                                        .unit = studio->legend.unit};
     for (uint32_t i = 0; i < studio->layers.count && !status; i++) {
-        struct gd_control control = gd__share_control(&studio->share, studio->arrays.budget.held);
+        struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
         status = gd__layer_project(&studio->layers.items[i], &studio->stage, &control);
         studio->share.done++;
     }
@@ -374,27 +373,26 @@ static void draw_lines(const struct studio *studio, struct gd__canvas *canvas)
 static enum gd_status finish_png(struct studio *studio, void **bytes, size_t *size)
 {
     struct gd__paint paint;
-    struct gd_control control = gd__share_control(&studio->share, studio->arrays.budget.held);
-    enum gd_status status =
-        gd__paint_open(&paint, &studio->image, &studio->arrays.budget, &control);
+    struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
+    enum gd_status status = gd__paint_open(&paint, &studio->image, &studio->arena.budget, &control);
     if (!status) draw_lines(studio, &paint.canvas);
     if (!status) status = paint.canvas.status;
     gd__paint_close(&paint);
     return status ? status
-                  : gd__image_png(&studio->image, &studio->arrays.budget, &control, bytes, size);
+                  : gd__image_png(&studio->image, &studio->arena.budget, &control, bytes, size);
 }
 
 static enum gd_status finish_svg(struct studio *studio, void **bytes, size_t *size)
 {
     struct gd__svg svg;
-    struct gd_control control = gd__share_control(&studio->share, studio->arrays.budget.held);
+    struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
     void *png;
     size_t png_size;
     enum gd_status status =
-        gd__image_png(&studio->image, &studio->arrays.budget, &control, &png, &png_size);
+        gd__image_png(&studio->image, &studio->arena.budget, &control, &png, &png_size);
     if (status) return status;
     gd__svg_open(&svg, studio->legend.width, studio->legend.height, png, png_size,
-                 &studio->arrays.budget);
+                 &studio->arena.budget);
     free(png);
     draw_lines(studio, &svg.canvas);
     return gd__svg_close(&svg, bytes, size);
@@ -410,7 +408,7 @@ static void set_up(struct studio *studio, const struct gd_picture *picture,
     studio->picture = picture;
     studio->mesh = picture->mesh;
     studio->palette = gd__request_palette(picture);
-    studio->arrays.budget.control = control;
+    studio->arena.budget.control = control;
     studio->legend.width = width;
     studio->legend.height = height;
     if (picture->field) {
@@ -428,7 +426,7 @@ static enum gd_status draw(struct studio *studio)
 {
     struct subject subject = {0};
     enum gd_status status = gd__layer_list_open(&studio->layers, studio->picture, &studio->palette,
-                                                &studio->arrays.budget);
+                                                &studio->arena.budget);
     if (status) return status;
     studio->legend.palette = &studio->palette;
     studio->legend.layers = studio->layers.items;
@@ -443,7 +441,7 @@ static enum gd_status draw(struct studio *studio)
 static void picture_clear(struct studio *studio)
 {
     gd__layer_list_free(&studio->layers);
-    gd__arrays_free(&studio->arrays);
+    gd__arena_free(&studio->arena);
     gd__raster_close(&studio->raster);
     gd__depth_buffer_close(&studio->buffer);
     gd__shade_close(&studio->shade);

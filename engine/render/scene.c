@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "gd/picture.h"
 #include "gd/result_file.h"
 #include "render/request.h"
@@ -21,7 +21,7 @@ struct isolines {
 
 struct scene {
     const struct gd_picture *picture;
-    struct gd__arrays arrays;
+    struct gd__arena arena;
     struct gd__share share;
     struct gd__palette palette;
     struct gd__scale scale; /* if there is a field */
@@ -39,15 +39,15 @@ static enum gd_status surface_open(struct scene *scene)
     const struct gd_picture *picture = scene->picture;
     const struct gd_mesh_summary *summary = gd_mesh_summary(picture->mesh);
     enum gd_status status =
-        gd__budget_take(&scene->arrays.budget, summary->index_count * sizeof(double[3]) +
-                                                   summary->faces * sizeof(uint32_t[3]));
+        gd__budget_take(&scene->arena.budget, summary->index_count * sizeof(double[3]) +
+                                                  summary->faces * sizeof(uint32_t[3]));
     if (!status) status = gd_mesh_polygons(picture->mesh, &scene->polygons);
     if (status || !picture->field) return status;
     scene->distances =
-        gd__arrays_take(&scene->arrays, summary->index_count, sizeof *scene->distances);
-    if (!scene->distances) return scene->arrays.status;
+        gd__arena_take(&scene->arena, summary->index_count, sizeof *scene->distances);
+    if (!scene->distances) return scene->arena.status;
     gd_field_vertex_distances(picture->field, scene->distances);
-    return gd_control_check(scene->arrays.budget.control, 0);
+    return gd_control_check(scene->arena.budget.control, 0);
 }
 
 /* --- isolines --------------------------------------------------------------------------------- */
@@ -57,11 +57,11 @@ static enum gd_status isoline_take(void *own, const struct gd_path *line)
     struct scene *scene = own;
     struct isolines *lines = &scene->isolines;
     uint32_t begin = lines->count ? lines->first[lines->count] : 0;
-    enum gd_status status = gd__arrays_extend(&scene->arrays, &lines->points, &lines->point_room,
-                                              begin + (uint64_t)line->count, sizeof *lines->points);
+    enum gd_status status = gd__arena_extend(&scene->arena, &lines->points, &lines->point_room,
+                                             begin + (uint64_t)line->count, sizeof *lines->points);
     if (!status)
-        status = gd__arrays_extend(&scene->arrays, &lines->first, &lines->line_room,
-                                   lines->count + UINT64_C(2), sizeof *lines->first);
+        status = gd__arena_extend(&scene->arena, &lines->first, &lines->line_room,
+                                  lines->count + UINT64_C(2), sizeof *lines->first);
     if (status) return status;
     for (uint32_t i = 0; i < line->count; i++)
         lines->points[begin + i] = gd_point_position(scene->picture->mesh, &line->points[i]);
@@ -77,7 +77,7 @@ static enum gd_status isolines_open(struct scene *scene)
     struct gd__isoline_request request = {.picture = scene->picture,
                                           .scale = &scene->scale,
                                           .share = &scene->share,
-                                          .budget = &scene->arrays.budget,
+                                          .budget = &scene->arena.budget,
                                           .tolerance = TOLERANCE * diagonal,
                                           .take = isoline_take,
                                           .own = scene};
@@ -138,11 +138,11 @@ static void layer_write(struct scene *scene, uint32_t i)
 static enum gd_status layers_open(struct scene *scene)
 {
     enum gd_status status =
-        gd__layer_list_open(&scene->layers, scene->picture, &scene->palette, &scene->arrays.budget);
+        gd__layer_list_open(&scene->layers, scene->picture, &scene->palette, &scene->arena.budget);
     size_t room = scene->layers.count + (size_t)1;
-    scene->written = gd__arrays_zeroed(&scene->arrays, room, sizeof *scene->written);
-    scene->names = gd__arrays_zeroed(&scene->arrays, room, sizeof *scene->names);
-    if (status || scene->arrays.status) return status ? status : scene->arrays.status;
+    scene->written = gd__arena_zeroed(&scene->arena, room, sizeof *scene->written);
+    scene->names = gd__arena_zeroed(&scene->arena, room, sizeof *scene->names);
+    if (status || scene->arena.status) return status ? status : scene->arena.status;
     if (scene->isolines.count) isolines_write(scene);
     for (uint32_t i = 0; i < scene->layers.count; i++) layer_write(scene, i);
     return GD_OK;
@@ -159,8 +159,8 @@ static enum gd_status file_write(struct scene *scene, void **bytes, size_t *size
                                      .layer_count = scene->written_count,
                                      .colour = &colour};
     char *out;
-    enum gd_status status = gd__budget_take(&scene->arrays.budget, gd_result_cost(&result));
-    struct gd_control control = gd__share_control(&scene->share, scene->arrays.budget.held);
+    enum gd_status status = gd__budget_take(&scene->arena.budget, gd_result_cost(&result));
+    struct gd_control control = gd__share_control(&scene->share, scene->arena.budget.held);
     if (!status) status = gd_control_check(&control, 0);
     if (!status) status = gd_write_result(&result, GD_RESULT_GLB, &out, size);
     if (!status) *bytes = out;
@@ -171,14 +171,14 @@ static void scene_clear(struct scene *scene)
 {
     gd__layer_list_free(&scene->layers);
     gd_polygons_free(&scene->polygons);
-    gd__arrays_free(&scene->arrays);
+    gd__arena_free(&scene->arena);
 }
 
 enum gd_status gd_picture_glb(const struct gd_picture *picture, const struct gd_control *control,
                               void **bytes, size_t *size)
 {
     struct scene scene = {
-        .picture = picture, .arrays.budget.control = control, .share = {.control = control}};
+        .picture = picture, .arena.budget.control = control, .share = {.control = control}};
     if (!gd__request_is_sound(picture)) return GD_INVALID_ARGUMENT;
     scene.palette = gd__request_palette(picture);
     if (picture->field) scene.scale = gd__request_scale(picture);

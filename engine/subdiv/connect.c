@@ -78,14 +78,14 @@ static enum gd_status check_face(const struct gd_polygons *polygons, uint32_t fa
 }
 
 static enum gd_status check_faces(const struct gd_polygons *polygons, uint32_t arity,
-                                  struct gd__arrays *scratch, struct gd_detail *detail)
+                                  struct gd__arena *scratch, struct gd_detail *detail)
 {
     uint32_t largest = 3;
     for (uint32_t face = 0; face < polygons->polygon_count; face++) {
         uint32_t count = gd_polygons_first(polygons, face + 1) - gd_polygons_first(polygons, face);
         largest = count > largest ? count : largest;
     }
-    uint32_t *sorted = gd__arrays_take(scratch, largest, sizeof *sorted);
+    uint32_t *sorted = gd__arena_take(scratch, largest, sizeof *sorted);
     enum gd_status status = scratch->status;
     for (uint32_t face = 0; !status && face < polygons->polygon_count; face++)
         status = check_face(polygons, face, arity, sorted, detail);
@@ -102,17 +102,16 @@ static bool all_have(const struct gd_polygons *polygons, uint32_t arity)
 }
 
 static enum gd_status copy_faces(const struct gd_polygons *polygons, uint32_t arity,
-                                 struct gd__arrays *arrays, struct gd__net *net)
+                                 struct gd__arena *arena, struct gd__net *net)
 {
     uint32_t sides = gd_polygons_corner_count(polygons);
     bool mixed = !all_have(polygons, arity);
-    gd__net_create(net, arrays, arity, polygons->position_count, sides);
+    gd__net_create(net, arena, arity, polygons->position_count, sides);
     if (mixed) {
-        net->first =
-            gd__arrays_take(arrays, polygons->polygon_count + (size_t)1, sizeof *net->first);
-        net->face_of = gd__arrays_take(arrays, sides, sizeof *net->face_of);
+        net->first = gd__arena_take(arena, polygons->polygon_count + (size_t)1, sizeof *net->first);
+        net->face_of = gd__arena_take(arena, sides, sizeof *net->face_of);
     }
-    if (arrays->status) return arrays->status;
+    if (arena->status) return arena->status;
     net->point_count = polygons->position_count;
     net->face_count = polygons->polygon_count;
     net->side_count = sides;
@@ -137,9 +136,9 @@ static int compare_edges(const void *x, const void *y)
     return (a->side > b->side) - (a->side < b->side);
 }
 
-static struct gd__edge_key *sorted_edges(const struct gd__net *net, struct gd__arrays *scratch)
+static struct gd__edge_key *sorted_edges(const struct gd__net *net, struct gd__arena *scratch)
 {
-    struct gd__edge_key *edges = gd__arrays_take(scratch, net->side_count, sizeof *edges);
+    struct gd__edge_key *edges = gd__arena_take(scratch, net->side_count, sizeof *edges);
     for (uint32_t side = 0; edges && side < net->side_count; side++) {
         uint64_t a = net->origin[side], b = gd__side_end(net, side);
         edges[side] = (struct gd__edge_key){a < b ? a << 32 | b : b << 32 | a, side};
@@ -186,11 +185,11 @@ static enum gd_status join_all(struct gd__net *net, const struct gd__edge_key *e
 
 /* Checks that each vertex has only one fan: a walk around the vertex from its first outgoing side
  * must reach all its outgoing sides. */
-static enum gd_status check_fans(const struct gd__net *net, struct gd__arrays *scratch,
+static enum gd_status check_fans(const struct gd__net *net, struct gd__arena *scratch,
                                  struct gd_detail *detail)
 {
-    uint32_t *met = gd__arrays_zeroed(scratch, net->point_count, sizeof *met);
-    struct gd__fan fan = {.sides = gd__arrays_take(scratch, net->side_count, sizeof *fan.sides)};
+    uint32_t *met = gd__arena_zeroed(scratch, net->point_count, sizeof *met);
+    struct gd__fan fan = {.sides = gd__arena_take(scratch, net->side_count, sizeof *fan.sides)};
     enum gd_status status = scratch->status;
     for (uint32_t side = 0; !status && side < net->side_count; side++) {
         uint32_t point = net->origin[side];
@@ -214,10 +213,10 @@ enum gd_status gd__net_connect(const struct gd_polygons *polygons, uint32_t arit
 {
     if (polygons->polygon_count == 0)
         return gd_fail(detail, GD_EMPTY, "the control mesh has no faces");
-    struct gd__arrays *scratch = &connecting->scratch;
+    struct gd__arena *scratch = &connecting->scratch;
     enum gd_status status = check_points(polygons, detail);
     if (!status) status = check_faces(polygons, arity, scratch, detail);
-    if (!status) status = copy_faces(polygons, arity, connecting->arrays, net);
+    if (!status) status = copy_faces(polygons, arity, connecting->arena, net);
     if (status) return status;
     connecting->edges = sorted_edges(net, scratch);
     status = scratch->status ? scratch->status : join_all(net, connecting->edges, detail);

@@ -10,8 +10,8 @@ struct gd__edge_key {
 };
 
 struct gd__connecting {
-    struct gd__arrays *arrays;  /* the arrays of the net */
-    struct gd__arrays scratch;  /* freed by the caller, also after a failure */
+    struct gd__arena *arena;    /* the arrays of the net */
+    struct gd__arena scratch;   /* freed by the caller, also after a failure */
     struct gd__edge_key *edges; /* all sides, sorted by edge; set by gd__net_connect */
 };
 

@@ -370,7 +370,7 @@ enum gd_status gd_discretize(const struct gd_subdivision *surface,
     if (!status) status = discretize_create(&tiling, control, &made);
     if (!status) status = place_vertices(&tiling, control, &made);
     if (!status) status = tile(&tiling, control, &made);
-    gd__arrays_free(&tiling.arrays);
+    gd__arena_free(&tiling.arena);
     if (status)
         gd_discretization_free(&made);
     else

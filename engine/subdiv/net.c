@@ -1,15 +1,15 @@
 #include "subdiv/net.h"
 
-void gd__net_create(struct gd__net *net, struct gd__arrays *arrays, uint32_t arity, size_t points,
+void gd__net_create(struct gd__net *net, struct gd__arena *arena, uint32_t arity, size_t points,
                     size_t sides)
 {
     *net = (struct gd__net){.arity = arity};
-    net->points = gd__arrays_take(arrays, points, sizeof *net->points);
-    net->corner = gd__arrays_zeroed(arrays, points, sizeof *net->corner);
-    net->origin = gd__arrays_take(arrays, sides, sizeof *net->origin);
-    net->twin = gd__arrays_take(arrays, sides, sizeof *net->twin);
-    net->edge = gd__arrays_take(arrays, sides, sizeof *net->edge);
-    net->sharpness = gd__arrays_zeroed(arrays, sides, sizeof *net->sharpness);
+    net->points = gd__arena_take(arena, points, sizeof *net->points);
+    net->corner = gd__arena_zeroed(arena, points, sizeof *net->corner);
+    net->origin = gd__arena_take(arena, sides, sizeof *net->origin);
+    net->twin = gd__arena_take(arena, sides, sizeof *net->twin);
+    net->edge = gd__arena_take(arena, sides, sizeof *net->edge);
+    net->sharpness = gd__arena_zeroed(arena, sides, sizeof *net->sharpness);
 }
 
 /* Returns the side at the clockwise end of the fan, or `side` itself if the fan is closed. */

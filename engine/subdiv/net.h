@@ -9,11 +9,11 @@
 
 #include <stdbool.h>
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "gd/control_mesh.h"
 #include "gd/vec.h"
 
-/* The arrays belong to the gd__arrays with which the net was created. */
+/* The arrays belong to the gd__arena with which the net was created. */
 struct gd__net {
     uint32_t arity;
     uint32_t point_count, face_count, side_count;
@@ -34,9 +34,9 @@ struct gd__net {
     uint32_t *face_of; /* for each side, its face; NULL if `first` is NULL */
 };
 
-/* Creates a net with room for the given numbers of points and sides, in `arrays`. Its counts are
+/* Creates a net with room for the given numbers of points and sides, in `arena`. Its counts are
  * zero, and `first` and `face_of` are NULL. */
-void gd__net_create(struct gd__net *net, struct gd__arrays *arrays, uint32_t arity, size_t points,
+void gd__net_create(struct gd__net *net, struct gd__arena *arena, uint32_t arity, size_t points,
                     size_t sides);
 
 static inline uint32_t gd__face_of(const struct gd__net *net, uint32_t side)

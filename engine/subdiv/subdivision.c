@@ -11,16 +11,15 @@ enum { SIDES_MOST = 1 << 26 };
 
 /* Refines a mesh with polygons once, so that all base faces are quads. */
 static enum gd_status subdivision_split(struct gd_subdivision *surface, struct gd__net *control,
-                                        struct gd__arrays *scratch)
+                                        struct gd__arena *scratch)
 {
-    struct gd__arrays *arrays = &surface->arrays;
+    struct gd__arena *arena = &surface->arena;
     size_t points = (size_t)control->point_count + gd__number_edges(control) + control->face_count;
-    struct gd__fan fan = {.sides =
-                              gd__arrays_take(scratch, control->side_count, sizeof *fan.sides)};
-    gd__net_create(&surface->base, arrays, 4, points, 4 * (size_t)control->side_count);
+    struct gd__fan fan = {.sides = gd__arena_take(scratch, control->side_count, sizeof *fan.sides)};
+    gd__net_create(&surface->base, arena, 4, points, 4 * (size_t)control->side_count);
     surface->split_first =
-        gd__arrays_take(arrays, control->face_count + (size_t)1, sizeof *surface->split_first);
-    if (scratch->status || arrays->status) return GD_NO_MEMORY;
+        gd__arena_take(arena, control->face_count + (size_t)1, sizeof *surface->split_first);
+    if (scratch->status || arena->status) return GD_NO_MEMORY;
     for (uint32_t face = 0; face <= control->face_count; face++)
         surface->split_first[face] = gd__face_first(control, face);
     gd__net_refine(control, control->point_count, &fan, &surface->base);
@@ -34,10 +33,10 @@ struct census {
     bool *open;
 };
 
-static struct census take_census(const struct gd__net *net, struct gd__arrays *scratch)
+static struct census take_census(const struct gd__net *net, struct gd__arena *scratch)
 {
-    struct census census = {gd__arrays_zeroed(scratch, net->point_count, sizeof *census.edges),
-                            gd__arrays_zeroed(scratch, net->point_count, sizeof *census.open)};
+    struct census census = {gd__arena_zeroed(scratch, net->point_count, sizeof *census.edges),
+                            gd__arena_zeroed(scratch, net->point_count, sizeof *census.open)};
     for (uint32_t side = 0; !scratch->status && side < net->side_count; side++) {
         census.edges[net->origin[side]]++;
         if (net->twin[side] != GD_NONE) continue;
@@ -73,10 +72,10 @@ static uint32_t count_extraordinary(const struct gd__net *net, const struct cens
     return count;
 }
 
-static uint32_t count_loops(const struct gd__net *net, struct gd__arrays *scratch)
+static uint32_t count_loops(const struct gd__net *net, struct gd__arena *scratch)
 {
     uint32_t loops = 0;
-    bool *seen = gd__arrays_zeroed(scratch, net->side_count, sizeof *seen);
+    bool *seen = gd__arena_zeroed(scratch, net->side_count, sizeof *seen);
     for (uint32_t begin = 0; seen && begin < net->side_count; begin++) {
         if (net->twin[begin] != GD_NONE || seen[begin]) continue;
         loops++;
@@ -105,7 +104,7 @@ static void count_edges(const struct gd__net *net, const struct gd_control_mesh 
 }
 
 static enum gd_status summarise(struct gd_subdivision *surface, struct gd__net *control,
-                                const struct gd_control_mesh *mesh, struct gd__arrays *scratch)
+                                const struct gd_control_mesh *mesh, struct gd__arena *scratch)
 {
     struct gd_subdivision_summary *summary = &surface->summary;
     struct census census = take_census(control, scratch);
@@ -115,7 +114,7 @@ static enum gd_status summarise(struct gd_subdivision *surface, struct gd__net *
              largest = largest_valence(control, &census, regular);
     surface->largest_valence = largest;
     surface->valences =
-        gd__arrays_take(&surface->arrays, largest + (size_t)1, sizeof *surface->valences);
+        gd__arena_take(&surface->arena, largest + (size_t)1, sizeof *surface->valences);
     if (!surface->valences) return GD_NO_MEMORY;
     count_edges(control, mesh, gd__number_edges(control), summary);
     summary->extraordinary_count =
@@ -143,12 +142,12 @@ static struct gd__box joined(struct gd__box a, struct gd__box b)
 
 /* Computes the box of each face's one-ring: first the boxes of each face's corners, then their
  * union around each point, then the union over each face's points. */
-static enum gd_status make_boxes(struct gd_subdivision *surface, struct gd__arrays *scratch)
+static enum gd_status make_boxes(struct gd_subdivision *surface, struct gd__arena *scratch)
 {
     const struct gd__net *base = &surface->base;
     const struct gd__box none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    struct gd__box *around = gd__arrays_take(scratch, base->point_count, sizeof *around);
-    surface->boxes = gd__arrays_take(&surface->arrays, base->face_count, sizeof *surface->boxes);
+    struct gd__box *around = gd__arena_take(scratch, base->point_count, sizeof *around);
+    surface->boxes = gd__arena_take(&surface->arena, base->face_count, sizeof *surface->boxes);
     if (!around || !surface->boxes) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < base->point_count; i++) around[i] = none;
     for (uint32_t face = 0; face < base->face_count; face++) {
@@ -181,7 +180,7 @@ static void subdivision_measure(struct gd_subdivision *surface)
 
 static enum gd_status subdivision_adopt(struct gd_subdivision *surface, struct gd__net *control,
                                         const struct gd_control_mesh *mesh,
-                                        struct gd__arrays *scratch)
+                                        struct gd__arena *scratch)
 {
     surface->control_faces = control->face_count;
     enum gd_status status = summarise(surface, control, mesh, scratch);
@@ -205,12 +204,12 @@ static enum gd_status subdivision_build(struct gd_subdivision *surface,
                                         struct gd_detail *detail)
 {
     struct gd__net control;
-    struct gd__connecting connecting = {.arrays = &surface->arrays};
+    struct gd__connecting connecting = {.arena = &surface->arena};
     enum gd_status status =
         gd__net_connect(&mesh->polygons, surface->rules->arity, &connecting, &control, detail);
     if (!status) status = gd__apply_tags(mesh, &connecting, &control, detail);
     if (!status) status = subdivision_adopt(surface, &control, mesh, &connecting.scratch);
-    gd__arrays_free(&connecting.scratch);
+    gd__arena_free(&connecting.scratch);
     return status;
 }
 
@@ -252,13 +251,13 @@ void gd_subdivision_release(const struct gd_subdivision *surface)
 {
     if (!surface || !gd__references_drop(&surface->references)) return;
     struct gd_subdivision *shared = (struct gd_subdivision *)surface;
-    gd__arrays_free(&shared->arrays);
+    gd__arena_free(&shared->arena);
     free(shared);
 }
 
 size_t gd_subdivision_memsize(const struct gd_subdivision *surface)
 {
-    return sizeof *surface + surface->arrays.budget.held;
+    return sizeof *surface + surface->arena.budget.held;
 }
 
 enum gd_scheme gd_subdivision_scheme(const struct gd_subdivision *surface)

@@ -33,7 +33,7 @@ struct gd_subdivision {
        face */
     struct gd__box *boxes;
     double size; /* largest extent of the control points */
-    struct gd__arrays arrays;
+    struct gd__arena arena;
 };
 
 /* Return the number of cells along a side of a base face at a level, and the number of triangles of

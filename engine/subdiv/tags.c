@@ -91,7 +91,7 @@ static enum gd_status apply_boundary(enum gd_interpolate_boundary rule, const ui
 enum gd_status gd__apply_tags(const struct gd_control_mesh *mesh, struct gd__connecting *connecting,
                               struct gd__net *net, struct gd_detail *detail)
 {
-    uint32_t *faces = gd__arrays_zeroed(&connecting->scratch, net->point_count, sizeof *faces);
+    uint32_t *faces = gd__arena_zeroed(&connecting->scratch, net->point_count, sizeof *faces);
     if (!faces) return connecting->scratch.status;
     for (uint32_t side = 0; side < net->side_count; side++) faces[net->origin[side]]++;
     enum gd_status status = GD_OK;

@@ -6,16 +6,16 @@ enum gd_status gd__tiling_create(const struct gd_subdivision *surface, uint32_t 
                                  struct gd__tiling *out)
 {
     const struct gd__net *base = &surface->base;
-    struct gd__arrays *arrays = &out->arrays;
+    struct gd__arena *arena = &out->arena;
     uint32_t edges = surface->base_edges;
     *out = (struct gd__tiling){.surface = surface};
-    out->face_level = gd__arrays_take(arrays, base->face_count, sizeof *out->face_level);
-    out->edge_level = gd__arrays_take(arrays, edges, sizeof *out->edge_level);
-    out->point = gd__arrays_take(arrays, base->point_count, sizeof *out->point);
-    out->edge_first = gd__arrays_take(arrays, edges, sizeof *out->edge_first);
-    out->face_first = gd__arrays_take(arrays, base->face_count, sizeof *out->face_first);
-    if (!arrays->status) memset(out->face_level, (int)level, base->face_count);
-    return arrays->status;
+    out->face_level = gd__arena_take(arena, base->face_count, sizeof *out->face_level);
+    out->edge_level = gd__arena_take(arena, edges, sizeof *out->edge_level);
+    out->point = gd__arena_take(arena, base->point_count, sizeof *out->point);
+    out->edge_first = gd__arena_take(arena, edges, sizeof *out->edge_first);
+    out->face_first = gd__arena_take(arena, base->face_count, sizeof *out->face_first);
+    if (!arena->status) memset(out->face_level, (int)level, base->face_count);
+    return arena->status;
 }
 
 static void level_edges(struct gd__tiling *tiling)

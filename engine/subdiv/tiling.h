@@ -15,7 +15,7 @@ struct gd__tiling {
     uint32_t *edge_first, *face_first;
     /* numbers of vertices and of triangles; gd__tiling_number fails beyond 2^32 - 1 */
     uint64_t vertices, triangles;
-    struct gd__arrays arrays; /* freed by the caller, also after a failure */
+    struct gd__arena arena; /* freed by the caller, also after a failure */
 };
 
 /* Creates a tiling in which all faces have `level`. Error: GD_NO_MEMORY. */

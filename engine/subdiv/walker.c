@@ -28,31 +28,31 @@ enum gd_status gd__walker_create(struct gd__walker *walker, const struct gd_subd
     size_t faces = walker_larger(surface->base.face_count, sizes.refined_faces);
     size_t points = walker_larger(surface->base.point_count, sizes.refined_points);
     struct gd__walker made = {
-        .surface = surface, .piece.face = GD_NONE, .arrays.budget.control = control};
-    struct gd__arrays *arrays = &made.arrays;
-    made.fan.sides = gd__arrays_take(arrays, surface->largest_valence + 1, sizeof *made.fan.sides);
-    made.face_stamp = gd__arrays_zeroed(arrays, faces, sizeof *made.face_stamp);
-    made.face_at = gd__arrays_take(arrays, faces, sizeof *made.face_at);
-    made.point_stamp = gd__arrays_zeroed(arrays, points, sizeof *made.point_stamp);
-    made.point_at = gd__arrays_take(arrays, points, sizeof *made.point_at);
-    made.cut_faces = gd__arrays_take(arrays, faces, sizeof *made.cut_faces);
-    made.stages = gd__arrays_take(arrays, stages, sizeof *made.stages);
-    for (uint32_t i = 0; !arrays->status && i < stages; i++) {
-        gd__net_create(&made.stages[i].ring, arrays, arity, sizes.ring_points,
+        .surface = surface, .piece.face = GD_NONE, .arena.budget.control = control};
+    struct gd__arena *arena = &made.arena;
+    made.fan.sides = gd__arena_take(arena, surface->largest_valence + 1, sizeof *made.fan.sides);
+    made.face_stamp = gd__arena_zeroed(arena, faces, sizeof *made.face_stamp);
+    made.face_at = gd__arena_take(arena, faces, sizeof *made.face_at);
+    made.point_stamp = gd__arena_zeroed(arena, points, sizeof *made.point_stamp);
+    made.point_at = gd__arena_take(arena, points, sizeof *made.point_at);
+    made.cut_faces = gd__arena_take(arena, faces, sizeof *made.cut_faces);
+    made.stages = gd__arena_take(arena, stages, sizeof *made.stages);
+    for (uint32_t i = 0; !arena->status && i < stages; i++) {
+        gd__net_create(&made.stages[i].ring, arena, arity, sizes.ring_points,
                        arity * sizes.ring_faces);
-        gd__net_create(&made.stages[i].refined, arrays, arity, sizes.refined_points,
+        gd__net_create(&made.stages[i].refined, arena, arity, sizes.refined_points,
                        arity * sizes.refined_faces);
     }
-    if (arrays->status)
+    if (arena->status)
         gd__walker_free(&made);
     else
         *walker = made;
-    return arrays->status;
+    return arena->status;
 }
 
 void gd__walker_free(struct gd__walker *walker)
 {
-    gd__arrays_free(&walker->arrays);
+    gd__arena_free(&walker->arena);
 }
 
 static void take_face(struct gd__walker *walker, uint32_t face, uint32_t *count)

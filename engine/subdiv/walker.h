@@ -44,7 +44,7 @@ struct gd__walker {
     uint32_t *face_stamp, *face_at, *point_stamp, *point_at;
     uint32_t *cut_faces;   /* the extracted faces, by their numbers in the source net */
     struct gd__cell piece; /* the piece of the last query */
-    struct gd__arrays arrays;
+    struct gd__arena arena;
 };
 
 /* Creates a walker with `stages` >= 2. Errors: GD_NO_MEMORY, GD_BUDGET. */

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/arrays.h"
+#include "base/arena.h"
 #include "base/tolerance.h"
 
 /* A segment, in the frame of its face's side 0. */
@@ -14,7 +14,7 @@ struct segment {
 
 struct gd__meetings {
     const struct gd_mesh *mesh;
-    struct gd__arrays arrays;
+    struct gd__arena arena;
     uint32_t *newest; /* for each face, its latest segment */
     bool *is_met;     /* for each vertex, true if the line has passed through it */
     struct segment *segments;
@@ -24,7 +24,7 @@ struct gd__meetings {
 void gd__meetings_destroy(struct gd__meetings *meetings)
 {
     if (!meetings) return;
-    gd__arrays_free(&meetings->arrays);
+    gd__arena_free(&meetings->arena);
     free(meetings);
 }
 
@@ -33,13 +33,13 @@ enum gd_status gd__meetings_create(const struct gd_mesh *mesh, const struct gd_p
 {
     struct gd__meetings *meetings = calloc(1, sizeof *meetings);
     if (!meetings) return GD_NO_MEMORY;
-    struct gd__arrays *arrays = &meetings->arrays;
+    struct gd__arena *arena = &meetings->arena;
     meetings->mesh = mesh;
-    arrays->budget.control = control;
-    meetings->newest = gd__arrays_take(arrays, mesh->face_count, sizeof *meetings->newest);
-    meetings->is_met = gd__arrays_zeroed(arrays, mesh->vertex_count, sizeof *meetings->is_met);
-    if (arrays->status) {
-        enum gd_status status = arrays->status;
+    arena->budget.control = control;
+    meetings->newest = gd__arena_take(arena, mesh->face_count, sizeof *meetings->newest);
+    meetings->is_met = gd__arena_zeroed(arena, mesh->vertex_count, sizeof *meetings->is_met);
+    if (arena->status) {
+        enum gd_status status = arena->status;
         gd__meetings_destroy(meetings);
         return status;
     }
@@ -104,6 +104,6 @@ enum gd_status gd__meetings_add(struct gd__meetings *meetings, uint32_t face,
     }
     meetings->newest[face] = meetings->count;
     *part = first > 1 && first < 2 ? 1 : first;
-    return gd__arrays_append(&meetings->arrays, &meetings->segments, &meetings->count,
-                             &meetings->capacity, &segment, sizeof segment);
+    return gd__arena_append(&meetings->arena, &meetings->segments, &meetings->count,
+                            &meetings->capacity, &segment, sizeof segment);
 }
