@@ -152,7 +152,7 @@ class Writer:
 
 
 def answer_header(document):
-    yield "/* Made by generate.py from openapi.yaml: objects of answers (answers.py). */\n#ifndef GENERATED_ANSWERS_H\n#define GENERATED_ANSWERS_H\n"
+    yield "/* Made by generate.py from openapi.yaml: objects of answers (answers.py). */\n#pragma once\n"
     yield '#include "proto/http/options.h"\n#include "proto/json/writer.h"\n'
     writers = [Writer(document, name) for name in ANSWERS]
     yield from (f"{source};" for source in sorted({writer.answer.source for writer in writers}))
@@ -160,7 +160,6 @@ def answer_header(document):
     for writer in writers:
         yield f"{writer.signature()};"
         yield from writer.hand_signatures()
-    yield "\n#endif"
 
 
 def answer_source(document):

@@ -357,8 +357,8 @@ def request_declarations(request):
     yield ""
 
 
-def header(guard, headers, every):
-    yield f"/* Made by generate.py from openapi.yaml: requests, and how they are read. Each _decode and _read checks\n * members, types and limits. The caller checks conditions on several members, and reads the members of\n * x-by-hand. */\n#ifndef {guard}\n#define {guard}\n"
+def header(headers, every):
+    yield "/* Made by generate.py from openapi.yaml: requests, and how they are read. Each _decode and _read checks\n * members, types and limits. The caller checks conditions on several members, and reads the members of\n * x-by-hand. */\n#pragma once\n"
     yield from (f'#include "{each}"' for each in sorted(headers))
     yield ""
     for member in words(every):
@@ -376,7 +376,6 @@ def header(guard, headers, every):
             yield f"extern const char *const {request.c_name}_members[]; /* NULL-terminated */\n"
         else:
             yield from request_declarations(request)
-    yield "#endif"
 
 
 def early_and_late(document):
@@ -386,7 +385,7 @@ def early_and_late(document):
 
 
 def value_header(document):
-    return header("GENERATED_VALUES_H", ["proto/json/object.h"], early_and_late(document)[0])
+    return header(["proto/json/object.h"], early_and_late(document)[0])
 
 
 def request_header(document):
@@ -395,7 +394,7 @@ def request_header(document):
     used = {member.reference for member in members if member.kind == "value"}
     used |= {member.item_reference for member in members if member.kind == "list"} & VALUES.keys()
     headers = {VALUES[name][1] for name in used} | {LISTS[member.item_reference][1] for member in members if member.kind == "points"}
-    return header("GENERATED_REQUESTS_H", ["generated/values.h", "proto/json/object.h", *(f"proto/{each}" for each in headers)], every)
+    return header(["generated/values.h", "proto/json/object.h", *(f"proto/{each}" for each in headers)], every)
 
 
 # --- the source -----------------------------------------------------------------------------------

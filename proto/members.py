@@ -62,14 +62,13 @@ def expand(document):
 
 def field_header(document):
     yield "/* Made by generate.py from openapi.yaml: fields of answers, as bits of proto_options.fields, and their\n * names, NULL-terminated. */"
-    yield "#ifndef GENERATED_FIELDS_H\n#define GENERATED_FIELDS_H\n"
+    yield "#pragma once\n"
     for name, rule, _ in field_lists(document):
         names = field_names(document, rule)
         yield f"enum proto_{snake(name)}_field {{"
         yield from (f"    PROTO_{upper(name)}_FIELD_{upper(field)} = 1 << {i}," for i, field in enumerate(names))
         yield f"    PROTO_{upper(name)}_FIELD_ALL = (1 << {len(names)}) - 1\n}};"
         yield f"extern const char *const proto_{snake(name)}_fields[];\n"
-    yield "#endif"
 
 
 def field_source(document):
@@ -120,13 +119,12 @@ def parameter_words(document):
 
 def parameter_header(document):
     yield "/* Made by generate.py from openapi.yaml: parameters of query strings, and words that they take. All lists\n * are NULL-terminated. */"
-    yield "#ifndef GENERATED_PARAMETERS_H\n#define GENERATED_PARAMETERS_H\n"
+    yield "#pragma once\n"
     yield from (f"extern const char *const proto_{name}_parameters[];" for name, _ in parameter_lists(document))
     for name, listed in parameter_words(document):
         yield f"\nenum proto_{snake(name)} {{"
         yield from (f"    PROTO_{upper(name)}_{upper(word)}," for word in listed)
         yield f"}};\nextern const char *const proto_{snake(name)}_words[];"
-    yield "\n#endif"
 
 
 def parameter_source(document):

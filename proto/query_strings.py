@@ -76,13 +76,12 @@ def signature(name):
 
 
 def query_header(document):
-    yield "/* Made by generate.py from openapi.yaml: parameters of query strings. Each function checks only the\n * parameters that it reads. */\n#ifndef GENERATED_QUERIES_H\n#define GENERATED_QUERIES_H\n"
+    yield "/* Made by generate.py from openapi.yaml: parameters of query strings. Each function checks only the\n * parameters that it reads. */\n#pragma once\n"
     yield '#include "proto/http/options.h"\n'
     for name, listed in query_strings(document):
         yield f"struct proto_{name}_query {{"
         yield from (f"    {line}" for parameter in listed for line in parameter.declarations())
         yield f"}};\n{signature(name)};\n"
-    yield "#endif"
 
 
 def query_source(document):
