@@ -65,8 +65,8 @@ GD_MUST_USE enum gd_status gd_field_build(const struct gd_mesh *mesh,
  * distances of these points, as gd_field_distances does; `out` then has point_count entries. `out`
  * is untouched on failure. Errors: those of gd_field_build. Cost: 0.85 to 0.9 times the time of
  * gd_field_build. Memory for vertices: 8 bytes a vertex, plus records near the front of the
- * propagation; together 10 bytes a face for a million faces. Memory for other points: about 90
- * bytes a face, and the wedges of the points' faces. Thread-safe. */
+ * propagation; together 10 bytes a face for a million faces. Memory for other points: 106
+ * bytes a face, the front's windows, and the wedges of the points' faces. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
                                                    const struct gd_field_request *request,
                                                    const struct gd_control *control, double *out,
