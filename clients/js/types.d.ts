@@ -103,7 +103,7 @@ export type Ray = {
 /**
  * `v:12` is a vertex; `e:3-9:0.25` an edge, and the fraction t of its length from the first listed
  * vertex; `f:34:0.2,0.3,0.5` a face and barycentric coordinates; `p:1.0,2.0,3.0` the surface point
- * nearest to these coordinates.
+ * nearest to these coordinates. Indices have no leading zeros.
  */
 export type CompactPoint = string;
 
