@@ -256,8 +256,8 @@ static void consumed_polygons_make_the_same_mesh(void **state)
     }
 }
 
-/* After a failed build, gd_polygons_free frees what is left. A budget that is too small leaves the
- * polygons unchanged. */
+/* After a failed build, gd_polygons_free frees the arrays that the build did not consume. If the
+ * budget is too small, the build changes no array. */
 static void failed_builds_leave_polygons_that_can_be_freed(void **state)
 {
     (void)state;

@@ -134,8 +134,8 @@ static void around_a_corner(void **state)
     gd_subdivision_release(corner);
 }
 
-/* A cube whose edges are all sharp stays a cube. A path across its edges is as long as
- * on the mesh, whether it is relaxed or not. */
+/* A cube whose edges are all sharp stays a cube. A path across its edges is as long as on the mesh,
+ * whether it is relaxed or not. */
 static void sharp_cube(void **state)
 {
     (void)state;
