@@ -223,8 +223,6 @@ static const struct rule rules[] = {
     {SCMP_SYS(sched_getaffinity), ALWAYS, 1, {{0, EQUAL, 0, 0}}},
     {SCMP_SYS(sched_setaffinity), ALWAYS, 1, {{0, EQUAL, 0, 0}}},
     {SCMP_SYS(sched_setscheduler), ALWAYS, 1, {{0, EQUAL, 0, 0}}},
-    {SCMP_SYS(sched_setattr), ALWAYS, 1, {{0, EQUAL, 0, 0}}},
-    {SCMP_SYS(getpriority), ALWAYS, 2, {{0, EQUAL, PRIO_PROCESS, 0}, {1, EQUAL, 0, 0}}},
     {SCMP_SYS(setpriority), ALWAYS, 2, {{0, EQUAL, PRIO_PROCESS, 0}, {1, EQUAL, 0, 0}}},
     {SCMP_SYS(prlimit64), ALWAYS, 2, {{0, EQUAL, 0, 0}, {2, EQUAL, 0, 0}}},
     {SCMP_SYS(fcntl), ALWAYS, 1, {{1, WITHOUT, ~FCNTL_LOCKS, 0}}},

@@ -2,12 +2,8 @@
 
 #include <sched.h>
 #include <stdatomic.h>
-#include <stdint.h>
 #include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
-#define SLICE_NS   UINT64_C(300000)     /* time slice of an HTTP thread */
 #define MOVE_NS    UINT64_C(10000000)   /* least time between two changes of a thread's cores */
 #define LONG_NS    UINT64_C(50000000)   /* time after which a job gets idle priority */
 #define MEASURE_NS UINT64_C(100000000)  /* period over which the share of a job is measured */
@@ -18,23 +14,6 @@
 static bool thread_set_nice(int nice)
 {
     return setpriority(PRIO_PROCESS, 0, nice) == 0;
-}
-
-/* Sets the time slice of the calling thread. Before version 6.12, Linux ignores it. The struct is
- * that of sched_setattr(2), which glibc before 2.41 lacks. */
-static void thread_set_slice(uint64_t ns)
-{
-    const struct {
-        uint32_t size, policy;
-        uint64_t flags;
-        int32_t nice;
-        uint32_t priority;
-        uint64_t runtime, deadline, period;
-    } attributes = {.size = sizeof attributes,
-                    .policy = SCHED_OTHER,
-                    .nice = getpriority(PRIO_PROCESS, 0),
-                    .runtime = ns};
-    (void)syscall(SYS_sched_setattr, 0, &attributes, 0);
 }
 
 /* Chooses the next core for a thread. Returns false if there are fewer cores than threads. */
@@ -62,7 +41,6 @@ void server_thread_place(uint32_t threads, bool are_workers_busy, uint64_t now_n
         place.is_known = true;
         place.has_core = core_choose(threads, &place.all, &place.own);
         (void)thread_set_nice(SERVER_HTTP_NICE);
-        thread_set_slice(SLICE_NS);
     }
     if (!place.has_core || place.is_bound != are_workers_busy) return;
     if (now_ns - place.moved_ns < MOVE_NS) return;

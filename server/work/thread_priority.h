@@ -2,12 +2,10 @@
  * the system refuses a call, nothing changes. server/doc/008 has measurements.
  *
  * DESIGN. HTTP threads have a slightly higher priority than other programs. Otherwise a client on
- * the same machine preempts them at every answer. They also have short time slices: when such a
- * thread wakes, it preempts threads with longer slices, instead of waiting for the end of their
- * slice. While no worker is busy, each HTTP thread has its own core, if there are enough cores.
- * Otherwise the kernel often runs all of them on one core and their clients on another. While
- * workers are busy, an HTTP thread may run on all cores, because a worker leaves a core only at the
- * kernel's next timer tick.
+ * the same machine preempts them at every answer. While no worker is busy, each HTTP thread has its
+ * own core, if there are enough cores. Otherwise the kernel often runs all of them on one core and
+ * their clients on another. While workers are busy, an HTTP thread may run on all cores, because a
+ * worker leaves a core only at the kernel's next timer tick.
  *
  * Workers run at nice 10. A long job gets idle priority (SCHED_IDLE): the kernel treats its core as
  * idle, so a thread that wakes there runs at once. To prevent starvation on a busy machine, a job

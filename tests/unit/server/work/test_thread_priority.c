@@ -1,5 +1,5 @@
-/* Tests the priorities of threads in child processes; those of workers with and without the right
- * to leave idle priority. */
+/* Tests the priority of a worker's thread, with and without the right to leave idle priority, in
+ * child processes. */
 #include "tests/unit/server/child.h"
 #include "tests/unit/server/support.h"
 
@@ -7,7 +7,6 @@
 #include <sys/resource.h>
 #include <sys/syscall.h>
 
-#include "gd/control.h"
 #include "server/work/thread_priority.h"
 
 #define NOBODY 65534
@@ -50,23 +49,6 @@ static void others_stay(void)
     INSIST(sched_getscheduler(0) == SCHED_OTHER);
 }
 
-/* Linux before 6.12 reports a slice of 0. */
-static void gets_a_short_slice(void)
-{
-    struct {
-        uint32_t size, policy;
-        uint64_t flags;
-        int32_t nice;
-        uint32_t priority;
-        uint64_t runtime, deadline, period;
-    } attributes;
-    server_thread_place(1, false, gd_now_ns());
-    INSIST(syscall(SYS_sched_getattr, 0, &attributes, sizeof attributes, 0) == 0);
-    if (!attributes.runtime) SKIP_CHILD("this kernel has no time slices of threads");
-    INSIST(attributes.policy == SCHED_OTHER && attributes.nice == nice_of_thread());
-    INSIST(attributes.runtime < 500000);
-}
-
 static void try_in_child(void (*try)(void))
 {
     int status;
@@ -97,12 +79,6 @@ static void other_threads_are_unchanged(void **state)
 {
     (void)state;
     try_in_child(others_stay);
-}
-
-static void http_threads_have_short_slices(void **state)
-{
-    (void)state;
-    try_in_child(gets_a_short_slice);
 }
 
 /* --- of a job --------------------------------------------------------------------------------- */
@@ -166,7 +142,6 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(with_the_right_a_worker_returns),
                                        cmocka_unit_test(without_the_right_a_worker_stays),
                                        cmocka_unit_test(other_threads_are_unchanged),
-                                       cmocka_unit_test(http_threads_have_short_slices),
                                        cmocka_unit_test(long_work_gets_idle_priority),
                                        cmocka_unit_test(starving_work_returns_to_normal),
                                        cmocka_unit_test(a_long_pause_is_detected)};
