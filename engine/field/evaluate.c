@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+#include "base/prefetch.h"
+
 /* Distances of one field at many points. Most of a query's time is memory latency. Therefore points
  * are sorted in the mesh's order of faces, where neighbours share data, and evaluated in blocks.
  * While one block is evaluated, the data of the next blocks is prefetched, one pointer indirection
@@ -111,10 +113,8 @@ static void prefetch_sides(const struct gd_field *field, struct block *block)
     }
 }
 
-/* Prefetches the newest chunks and the origins' distances of a block's sides. Inlined, because GCC
- * drops calls of a function that only prefetches. */
-static inline __attribute__((always_inline)) void prefetch_chunks(const struct gd_field *field,
-                                                                  const struct block *block)
+/* Prefetches the newest chunks and the origins' distances of a block's sides. */
+GD__PREFETCH prefetch_chunks(const struct gd_field *field, const struct block *block)
 {
     for (uint32_t i = 0; i < 3 * block->faces; i++) {
         uint32_t newest = field->newest[block->side[i] >> 1];

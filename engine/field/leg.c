@@ -1,3 +1,4 @@
+#include "base/prefetch.h"
 #include "field/close_seed.h"
 #include "field/wedge_view.h"
 #include "kernel/kernel.h"
@@ -30,8 +31,7 @@ struct cursor {
 };
 
 /* Prefetches the first lines of a chunk. They may lie beyond the chunk; a prefetch cannot fault. */
-static inline __attribute__((always_inline)) void prefetch_chunk(const struct gd_field *field,
-                                                                 uint32_t chunk)
+GD__PREFETCH prefetch_chunk(const struct gd_field *field, uint32_t chunk)
 {
     const char *first = (const char *)gd__field_chunk(field, chunk);
     for (int i = 0; i < LINES_AT_ONCE; i++) __builtin_prefetch(first + i * CACHE_LINE);
@@ -51,9 +51,8 @@ static inline void view_face(const struct gd_field *field, uint32_t face, const 
 }
 
 /* Prefetches the rest of the newest chunks. Their headers, which hold the sizes, must be in the
- * cache. Inlined, because GCC drops calls of a function that only prefetches. */
-static inline __attribute__((always_inline)) void prefetch_rest(const struct gd_field *field,
-                                                                const struct view *view)
+ * cache. */
+GD__PREFETCH prefetch_rest(const struct gd_field *field, const struct view *view)
 {
     for (int k = 0; k < 3; k++) {
         if (view->newest[k] == GD_NONE) continue;

@@ -1,5 +1,6 @@
 #include "field/ray.h"
 
+#include "base/prefetch.h"
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
 
@@ -54,123 +55,144 @@ struct gd__stop gd__ray_arrive_at_chord(struct gd__path_builder *builder, uint32
 
 /* --- from face to face ------------------------------------------------------------------------ */
 
-/* Describes how a ray left a face, by the lengths of the crossed edge and of the ray's segment in
- * the face. */
-struct passage {
-    double edge, segment;
+/* The course of a ray through the faces, which are unfolded into one plane. There the ray begins at
+ * 0 and runs along the x axis. It has just entered a face by a side whose origin is not below the
+ * axis and whose destination is not above it. The step to the next face needs no division, which
+ * the step after it would have to wait for. */
+struct course {
+    uint32_t side;
+    double ux, uy; /* unit vector from the side's origin to its destination */
+    double x, y;   /* the side's origin */
+    double part;   /* where the ray crosses the side: 0 is its origin, 1 its destination */
+    double at;     /* x of the crossing */
+    double source; /* x of the source; INFINITY for a segment, which a ray meets perpendicularly */
 };
 
-/* Marks functions that are compiled twice: for rays to points and for rays to segments. */
-#define BOTH_KINDS static inline __attribute__((always_inline))
-
-/* Transforms a ray to the face across its side, where its source is above the side, at (x, y). */
-BOTH_KINDS void enter_face(const struct gd_side *s, struct gd__ray *ray, bool linear)
+/* Returns the course of a ray that enters the face across its side. */
+static struct course course_begin(const struct gd_mesh *mesh, const struct gd__ray *ray)
 {
-    ray->side ^= 1;
-    ray->t = s->length - ray->t;
-    ray->x = linear ? -ray->x : s->length - ray->x;
+    bool linear = gd__source_is_linear(ray->source);
+    double length = mesh->side[ray->side].length, t = length - ray->t;
+    double dx = linear ? -ray->x : ray->t - ray->x, dy = fmax(ray->y, 0), far = hypot(dx, dy);
+    /* a ray that begins at its source may have any direction */
+    double x = far > 0 ? dx / far : 0, y = far > 0 ? dy / far : 1;
+    return (struct course){.side = ray->side ^ 1,
+                           .ux = x,
+                           .uy = -y,
+                           .x = -t * x,
+                           .y = t * y,
+                           .part = t / length,
+                           .source = linear ? INFINITY : far};
 }
 
-/* A ray has entered the face of its side. Transforms it to the side where it leaves the face. This
- * is the left edge, from the origin to the apex, or the right edge, from the apex to the
- * destination. The vector (ux, uy) runs along that edge. The vector (rx, ry) runs from the edge's
- * end to the source. */
-BOTH_KINDS void cross_face(const struct gd_side *s, struct gd__ray *ray, struct passage *passage,
-                           bool linear)
+/* Moves a course across its face to the next. `s` is the record of the side by which it entered. It
+ * leaves by the left edge, from the origin to the apex, or by the right edge, from the apex to the
+ * destination. */
+static inline void course_advance(struct course *course, const struct gd_side *s)
 {
-    double px = s->left_length * s->left_x, py = s->left_length * s->left_y; /* apex */
-    double t = ray->t, dx = linear ? ray->x : ray->x - t, dy = ray->y, along, ux, uy, rx, ry, sx,
-           sy;
-    if ((px - t) * dy - py * dx > 0) {
-        ux = s->left_x, uy = s->left_y, rx = linear ? dx : ray->x - px,
-        ry = linear ? dy : ray->y - py;
-        along = dy * t / (dy * ux - dx * uy);
-        sx = along * ux - t, sy = along * uy;
-        ray->side = s->left ^ 1;
-        passage->edge = s->left_length;
+    double ux = course->ux, uy = course->uy, lx = ux * s->left_x - uy * s->left_y,
+           ly = ux * s->left_y + uy * s->left_x, apex = course->y + s->left_length * ly, length;
+    if (apex > 0) {
+        course->x += s->left_length * lx;
+        course->y = apex;
+        course->ux = ux * s->right_x - uy * s->right_y;
+        course->uy = ux * s->right_y + uy * s->right_x;
+        course->side = s->right;
+        length = s->right_length;
     } else {
-        ux = s->right_x, uy = s->right_y, rx = linear ? dx : ray->x - s->length, ry = ray->y;
-        along = (dx * py - dy * (px - t)) / (dy * ux - dx * uy);
-        sx = px + along * ux - t, sy = py + along * uy;
-        ray->side = s->right ^ 1;
-        passage->edge = s->right_length;
+        course->ux = lx;
+        course->uy = ly;
+        course->side = s->left;
+        length = s->left_length;
     }
-    ray->t = passage->edge - along;
-    ray->x = -(rx * ux + ry * uy);
-    double y = ux * ry - uy * rx;
-    ray->y = y > 0 ? y : 0; /* not fmax, because a function call would spill all registers */
-    passage->segment = sqrt(sx * sx + sy * sy);
+    course->part = course->y / (length * -course->uy);
+    course->at = course->x + course->part * length * course->ux;
 }
 
-/* Appends the crossing of a ray into the next face, which it enters by the side `next`. Returns
- * false in three cases: the crossing is so near to an end of the edge that it must be moved there,
- * the edge is on the boundary, or memory is exhausted. */
-static inline bool append_crossing(struct gd__path_builder *builder, const struct gd_side *next,
-                                   const struct gd__ray *ray, const struct passage *passage)
+/* Returns true if the source of a course lies in the face of its side `s`. */
+static inline bool course_has_arrived(const struct gd__path_builder *builder,
+                                      const struct course *course, const struct gd_side *s,
+                                      uint32_t source)
 {
-    double snap = builder->snap;
-    if (ray->t <= snap * passage->edge || ray->t >= (1 - snap) * passage->edge) return false;
-    if (next->left == GD_NONE || !gd__path_builder_reserve(builder)) return false;
-    double weight = ray->t / passage->edge;
+    double ux = course->ux, uy = course->uy, dx = course->source - course->x, dy = -course->y,
+           height = ux * dy - uy * dx;
+    double reach = s->left_length * s->left_y + GD_TOL_ARRIVED * (s->length + s->left_length);
+    return height <= reach &&
+           gd__ray_has_arrived(builder, course->side, ux * dx + uy * dy, height, source);
+}
+
+/* Appends the crossing of a course into the next face, s. Returns false in three cases: the
+ * crossing is so near to an end of the edge that it must be moved there, the edge is on the
+ * boundary, or memory is exhausted. */
+static inline bool append_crossing(struct gd__path_builder *builder, const struct gd_side *s,
+                                   const struct course *course)
+{
+    double snap = builder->snap, part = course->part;
+    if (!(part > snap && part < 1 - snap)) return false;
+    if (s->left == GD_NONE || !gd__path_builder_reserve(builder)) return false;
+    uint32_t side = course->side;
     /* branchless, because a branch would be mispredicted half of the time */
-    const double weights[2] = {weight, 1 - weight};
+    const double weights[2] = {part, 1 - part};
     struct gd_point *point = &builder->path.points[builder->path.count++];
     point->kind = GD_POINT_EDGE;
-    point->element = ray->side >> 1;
-    point->weight[0] = weights[ray->side & 1];
-    point->weight[1] = weights[~ray->side & 1];
+    point->element = side >> 1;
+    point->weight[0] = weights[side & 1];
+    point->weight[1] = weights[~side & 1];
     point->weight[2] = 0;
-    builder->path.length += passage->segment;
     return true;
 }
 
-/* Returns the point where a ray leaves its face by a side. No path leaves the surface: a ray that
- * seems to do so passes an end of the boundary edge within the rounding error. */
+/* Returns the point where a course enters its face. No path leaves the surface: a ray that seems to
+ * do so passes an end of the boundary edge within the rounding error. */
 static struct gd_point crossing_of(const struct gd__path_builder *builder,
-                                   const struct gd__ray *ray)
+                                   const struct course *course)
 {
     const struct gd_mesh *mesh = builder->mesh;
-    if (!gd__side_is_boundary(mesh, ray->side ^ 1))
-        return gd__path_builder_side_point(builder, ray->side, ray->t);
-    bool at_origin = ray->t < 0.5 * mesh->side[ray->side].length;
-    return gd__point_of_vertex(mesh->origin[at_origin ? ray->side : ray->side ^ 1]);
+    uint32_t side = course->side;
+    if (!gd__side_is_boundary(mesh, side))
+        return gd__path_builder_side_point(builder, side, course->part * mesh->side[side].length);
+    return gd__point_of_vertex(mesh->origin[course->part < 0.5 ? side : side ^ 1]);
 }
 
-/* Appends the point that a ray reaches, which may be a vertex. */
-static struct gd_point append_end(struct gd__path_builder *builder, struct gd__ray ray)
+/* Appends the point where a course enters its face, which may be a vertex. */
+static struct gd_point append_end(struct gd__path_builder *builder, const struct course *course)
 {
-    struct gd_point point = crossing_of(builder, &ray);
-    gd__path_builder_append_in_face(builder, point, builder->mesh->side_face[ray.side]);
+    struct gd_point point = crossing_of(builder, course);
+    gd__path_builder_append_in_face(builder, point, builder->mesh->side_face[course->side ^ 1]);
     return point;
 }
 
-/* Returns true if the source's image at height y may lie in the face. */
-static inline bool may_have_arrived(const struct gd_side *s, double y)
+/* Prefetches the records by which a course leaves the face of `side`. */
+GD__PREFETCH prefetch_across(const struct gd_mesh *mesh, uint32_t side)
 {
-    return y <= s->left_length * s->left_y + GD_TOL_ARRIVED * (s->length + s->left_length);
+    uint32_t face = mesh->side_face[side];
+    if (face == GD_NONE) return;
+    for (int k = 0; k < 3; k++) __builtin_prefetch(&mesh->side[mesh->face_side[face][k] ^ 1]);
 }
 
 /* Follows a ray from face to face until it reaches its source or passes through a vertex. It reads
- * one record of each face and prefetches the next. */
-static struct gd__stop follow_to_point(struct gd__path_builder *builder, struct gd__ray ray)
+ * one record of each face and prefetches those of the faces after the next. */
+static struct gd__stop follow_to_point(struct gd__path_builder *builder, const struct gd__ray *ray)
 {
     const struct gd_mesh *mesh = builder->mesh;
-    struct gd_point first = append_end(builder, ray);
+    struct course course = course_begin(mesh, ray);
+    struct gd_point first = append_end(builder, &course);
     if (builder->status) return gd__stop_failed(builder, builder->status);
     if (first.kind == GD_POINT_VERTEX) return gd__stop_at(first);
-    const struct gd_side *s = &mesh->side[ray.side ^ 1];
+    const struct gd_side *s = &mesh->side[course.side];
     while (builder->steps_left--) {
-        struct passage passage;
-        __builtin_prefetch(&mesh->side[s->left]);
-        __builtin_prefetch(&mesh->side[s->right]);
-        enter_face(s, &ray, false);
-        if (may_have_arrived(s, ray.y) &&
-            gd__ray_has_arrived(builder, ray.side, ray.x, ray.y, ray.source))
-            return gd__ray_arrive(builder, mesh->side_face[ray.side], ray.source);
-        cross_face(s, &ray, &passage, false);
-        s = &mesh->side[ray.side ^ 1];
-        if (!append_crossing(builder, s, &ray, &passage))
-            return gd__stop_at(append_end(builder, ray));
+        double last = course.at;
+        prefetch_across(mesh, s->left);
+        prefetch_across(mesh, s->right);
+        if (course_has_arrived(builder, &course, s, ray->source)) {
+            builder->path.length += last;
+            return gd__ray_arrive(builder, mesh->side_face[course.side], ray->source);
+        }
+        course_advance(&course, s);
+        s = &mesh->side[course.side];
+        if (append_crossing(builder, s, &course)) continue;
+        builder->path.length += last;
+        return gd__stop_at(append_end(builder, &course));
     }
     return gd__stop_failed(builder, GD_INTERNAL);
 }
@@ -182,20 +204,21 @@ static struct gd__stop follow_to_point(struct gd__path_builder *builder, struct 
  * source. A careful ray goes through every such vertex. The detour is of second order, and the
  * predecessor of the vertex is accurate because the vertex is near to the source. */
 
-/* Returns the vertex within the margin of the crossing where a ray leaves its face, or GD_NONE.
+/* Returns the vertex within the margin of the crossing where a ray enters its face, or GD_NONE.
  * `gone` is the length of the leg up to the crossing, `rest` the length from the crossing to the
  * source. Each vertex must be nearer to the source than the previous one; otherwise, in faces
  * smaller than the rounding error of distances, the path would run in a circle. */
-static uint32_t vertex_beside(const struct gd__path_builder *builder, const struct gd__ray *ray,
+static uint32_t vertex_beside(const struct gd__path_builder *builder, const struct course *course,
                               double gone, double rest)
 {
     const struct gd_mesh *mesh = builder->mesh;
-    double edge = mesh->side[ray->side].length, aside = builder->aside;
+    uint32_t side = course->side;
+    double edge = mesh->side[side].length, aside = builder->aside;
     double margin = aside * fmin(gone, rest) + fmin(aside, GD_TOL_ASIDE_END) * edge +
                     GD_TOL_ASIDE_NOISE * builder->nearest;
-    bool at_origin = ray->t < 0.5 * edge;
-    uint32_t vertex = mesh->origin[at_origin ? ray->side : ray->side ^ 1];
-    if ((at_origin ? ray->t : edge - ray->t) > margin) return GD_NONE;
+    bool at_origin = course->part < 0.5;
+    uint32_t vertex = mesh->origin[at_origin ? side : side ^ 1];
+    if ((at_origin ? course->part : 1 - course->part) * edge > margin) return GD_NONE;
     return builder->field->distance[vertex] < builder->nearest ? vertex : GD_NONE;
 }
 
@@ -212,23 +235,22 @@ static bool leads_back(const struct gd__path_builder *builder, const struct gd_p
            (predecessor->side == GD_NONE && predecessor->source == builder->vertex);
 }
 
-/* Appends the point where a careful ray leaves its face. Sets *is_end if the leg ends there: at a
+/* Appends the point where a careful ray enters its face. Sets *is_end if the leg ends there: at a
  * vertex, or so close to the source that a new leg from there is more accurate. */
-static struct gd_point append_carefully(struct gd__path_builder *builder, const struct gd__ray *ray,
-                                        double begun, bool *is_end)
+static struct gd_point append_carefully(struct gd__path_builder *builder,
+                                        const struct course *course, uint32_t source, double begun,
+                                        bool *is_end)
 {
-    uint32_t face = builder->mesh->side_face[ray->side];
-    struct gd_point at = crossing_of(builder, ray);
-    if (leads_back(builder, &at) && !gd__side_is_boundary(builder->mesh, ray->side ^ 1)) {
-        double part = ray->t / builder->mesh->side[ray->side].length;
-        at = gd__point_within_side(ray->side, fmin(fmax(part, GD_TOL_WIDTH), 1 - GD_TOL_WIDTH));
-    }
+    uint32_t side = course->side, face = builder->mesh->side_face[side ^ 1];
+    struct gd_point at = crossing_of(builder, course);
+    if (leads_back(builder, &at) && !gd__side_is_boundary(builder->mesh, side))
+        at = gd__point_within_side(side, fmin(fmax(course->part, GD_TOL_WIDTH), 1 - GD_TOL_WIDTH));
     double gone = builder->path.length - begun + gd__path_builder_run(builder, &at, face),
-           rest = hypot(ray->x - ray->t, ray->y);
-    if (gd__source_is_linear(ray->source))
+           rest = course->source - course->at;
+    if (gd__source_is_linear(source))
         rest = builder->nearest -
-               builder->field->seeds[gd__field_seed_of(builder->field, ray->source)].offset - gone;
-    uint32_t vertex = vertex_beside(builder, ray, gone, rest);
+               builder->field->seeds[gd__field_seed_of(builder->field, source)].offset - gone;
+    uint32_t vertex = vertex_beside(builder, course, gone, rest);
     if (vertex != GD_NONE) at = gd__point_of_vertex(vertex);
     gd__path_builder_append_in_face(builder, at, face);
     *is_end = at.kind == GD_POINT_VERTEX || rest < GD_TOL_ANEW * gone;
@@ -248,29 +270,29 @@ static bool find_home(const struct gd__path_builder *builder, uint32_t source,
 
 /* Follows a careful ray, or any ray to a segment. A ray meets its segment perpendicularly, on an
  * edge that the ray reaches or in a face that it enters. */
-static struct gd__stop follow_slowly(struct gd__path_builder *builder, struct gd__ray ray)
+static struct gd__stop follow_slowly(struct gd__path_builder *builder, const struct gd__ray *ray)
 {
     const struct gd_mesh *mesh = builder->mesh;
     double begun = builder->path.length;
-    bool linear = gd__source_is_linear(ray.source);
+    bool linear = gd__source_is_linear(ray->source);
     struct gd__segment_location location;
-    if (!find_home(builder, ray.source, &location)) return gd__stop_failed(builder, GD_INTERNAL);
-    uint32_t seed = linear ? gd__field_seed_of(builder->field, ray.source) : GD_NONE;
+    if (!find_home(builder, ray->source, &location)) return gd__stop_failed(builder, GD_INTERNAL);
+    uint32_t seed = linear ? gd__field_seed_of(builder->field, ray->source) : GD_NONE;
+    struct course course = course_begin(mesh, ray);
     while (builder->steps_left-- && !builder->status) {
-        const struct gd_side *across = &mesh->side[ray.side ^ 1];
-        struct passage passage;
+        uint32_t side = course.side;
         bool is_end = false;
-        if (ray.side >> 1 == location.edge)
-            return gd__ray_arrive_at_chord(builder, seed, mesh->side_face[ray.side]);
-        struct gd_point at = builder->aside > 0 ? append_carefully(builder, &ray, begun, &is_end)
-                                                : append_end(builder, ray);
+        if (side >> 1 == location.edge)
+            return gd__ray_arrive_at_chord(builder, seed, mesh->side_face[side ^ 1]);
+        struct gd_point at = builder->aside > 0
+                                 ? append_carefully(builder, &course, ray->source, begun, &is_end)
+                                 : append_end(builder, &course);
         if (is_end || at.kind == GD_POINT_VERTEX) return gd__stop_at(at);
-        enter_face(across, &ray, linear);
-        if (linear && mesh->side_face[ray.side] == location.face)
+        if (linear && mesh->side_face[side] == location.face)
             return gd__ray_arrive_at_chord(builder, seed, location.face);
-        if (!linear && gd__ray_has_arrived(builder, ray.side, ray.x, ray.y, ray.source))
-            return gd__ray_arrive(builder, mesh->side_face[ray.side], ray.source);
-        cross_face(across, &ray, &passage, linear);
+        if (!linear && course_has_arrived(builder, &course, &mesh->side[side], ray->source))
+            return gd__ray_arrive(builder, mesh->side_face[side], ray->source);
+        course_advance(&course, &mesh->side[side]);
     }
     return gd__stop_failed(builder, GD_INTERNAL);
 }
@@ -278,5 +300,5 @@ static struct gd__stop follow_slowly(struct gd__path_builder *builder, struct gd
 struct gd__stop gd__ray_follow(struct gd__path_builder *builder, struct gd__ray ray)
 {
     bool slowly = builder->aside > 0 || gd__source_is_linear(ray.source);
-    return slowly ? follow_slowly(builder, ray) : follow_to_point(builder, ray);
+    return slowly ? follow_slowly(builder, &ray) : follow_to_point(builder, &ray);
 }
