@@ -85,11 +85,23 @@ static struct course course_begin(const struct gd_mesh *mesh, const struct gd__r
                            .source = linear ? INFINITY : far};
 }
 
+/* Turns a course that has passed its source, because of rounding, along its side, towards the end
+ * that is nearer to the source. */
+static void course_turn(struct course *course, double length)
+{
+    course->ux = course->ux > 0 ? -1 : 1;
+    course->uy = 0;
+    course->x = course->at - course->part * length * course->ux;
+    course->y = 0;
+    course->source = course->at;
+}
+
 /* Moves a course across its face to the next. `s` is the record of the side by which it entered. It
  * leaves by the left edge, from the origin to the apex, or by the right edge, from the apex to the
  * destination. */
 static inline void course_advance(struct course *course, const struct gd_side *s)
 {
+    if (course->at >= course->source) course_turn(course, s->length);
     double ux = course->ux, uy = course->uy, lx = ux * s->left_x - uy * s->left_y,
            ly = ux * s->left_y + uy * s->left_x, apex = course->y + s->left_length * ly, length;
     if (apex > 0) {

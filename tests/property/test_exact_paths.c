@@ -94,6 +94,13 @@ static void graded_paths(uint64_t number, struct exact_tally *tally)
     exact_scene_close(&scene);
 }
 
+/* In this scene, rounding moves rays past their sources. They must turn back (course_turn). */
+static void passed_source(uint64_t number, struct exact_tally *tally)
+{
+    (void)number;
+    graded_paths(728, tally);
+}
+
 /* --- one pair, all operations ----------------------------------------------------------------- */
 
 /* The distance of a pair by each operation. */
@@ -226,6 +233,8 @@ static void same_in_every_lane(uint64_t number, struct exact_tally *tally)
 }
 
 static const struct exact_section sections[] = {
+    {"passed_source", "paths whose rays pass their source, in one graded patch", passed_source, 12,
+     12, EXACT_HOLDS},
     {"graded_paths", "random paths in graded patches, ratios 3 to 100, 5 to 12 rings", graded_paths,
      600, 20000, EXACT_HOLDS},
     {"same_in_every_lane",
