@@ -1,37 +1,27 @@
 #include "cut/arrangement.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "mesh/segment.h"
+
+/* Each new node and each run belongs to at least one segment, so this limits their numbers too. */
+#define MOST_SEGMENTS (UINT32_C(1) << 24)
 
 /* At most WORK_AT_LEAST segments are processed, plus WORK_A_SEGMENT for each point of the curve. */
 #define WORK_A_SEGMENT 4096
 #define WORK_AT_LEAST  (UINT64_C(1) << 22)
-
-void gd__arrangement_free(struct gd__arrangement *arrangement)
-{
-    gd__nodes_free(&arrangement->nodes);
-    free(arrangement->segments);
-    free(arrangement->runs);
-    free(arrangement->of_face);
-    *arrangement = (struct gd__arrangement){0};
-}
 
 /* --- the stack of waiting segments ------------------------------------------------------------ */
 
 static enum gd_status arrangement_push(struct gd__arrangement *arrangement, uint32_t face,
                                        uint32_t a, uint32_t b)
 {
+    const struct gd__segment segment = {a, b, face, arrangement->waiting};
     if (a == b) return GD_OK;
-    enum gd_status status = gd__cut_extend(
-        arrangement->nodes.budget, &arrangement->segments, &arrangement->segment_capacity,
-        arrangement->segment_count + 1, sizeof *arrangement->segments);
-    if (status) return status;
-    arrangement->segments[arrangement->segment_count] =
-        (struct gd__segment){a, b, face, arrangement->waiting};
-    arrangement->waiting = arrangement->segment_count++;
-    return GD_OK;
+    if (arrangement->segment_count == MOST_SEGMENTS) return GD_TOO_LARGE;
+    enum gd_status status = gd__arena_append(
+        arrangement->nodes.arena, &arrangement->segments, &arrangement->segment_count,
+        &arrangement->segment_capacity, &segment, sizeof segment);
+    if (!status) arrangement->waiting = arrangement->segment_count - 1;
+    return status;
 }
 
 static enum gd_status push_through(struct gd__arrangement *arrangement, struct gd__segment segment,
@@ -181,13 +171,10 @@ static enum gd_status add_run(struct gd__arrangement *arrangement,
                               const struct gd__segment *segment, uint32_t sides)
 {
     uint32_t k = sides & 1 ? 0 : sides & 2 ? 1 : 2;
-    enum gd_status status =
-        gd__cut_extend(arrangement->nodes.budget, &arrangement->runs, &arrangement->run_capacity,
-                       arrangement->run_count + 1, sizeof *arrangement->runs);
-    if (status) return status;
-    uint32_t edge = arrangement->nodes.mesh->face_side[segment->face][k] / 2;
-    arrangement->runs[arrangement->run_count++] = (struct gd__run){edge, segment->a, segment->b};
-    return GD_OK;
+    const struct gd__run run = {arrangement->nodes.mesh->face_side[segment->face][k] / 2,
+                                segment->a, segment->b};
+    return gd__arena_append(arrangement->nodes.arena, &arrangement->runs, &arrangement->run_count,
+                            &arrangement->run_capacity, &run, sizeof run);
 }
 
 static bool is_kept(const struct gd__arrangement *arrangement, const struct gd__segment *segment)
@@ -229,7 +216,7 @@ static enum gd_status settle_all(struct gd__arrangement *arrangement, uint32_t p
     while (arrangement->waiting != GD_NONE && !status) {
         status = arrangement_settle(arrangement);
         if (!status && ++arrangement->work > most) status = GD_RUNAWAY;
-        if (!status) status = gd_control_check(arrangement->nodes.budget->control, 0);
+        if (!status) status = gd_control_check(arrangement->nodes.arena->budget.control, 0);
     }
     return status;
 }
@@ -251,35 +238,21 @@ static enum gd_status push_segment(struct gd__arrangement *arrangement,
     return status ? status : arrangement_push(arrangement, face, a, b);
 }
 
-static enum gd_status arrangement_prepare(struct gd__arrangement *arrangement,
-                                          const struct gd_mesh *mesh, double snap,
-                                          struct gd__budget *budget)
-{
-    enum gd_status status = gd__nodes_init(&arrangement->nodes, mesh, snap, budget);
-    if (!status) status = gd__budget_take(budget, mesh->face_count * sizeof *arrangement->of_face);
-    if (status) return status;
-    arrangement->waiting = GD_NONE;
-    arrangement->of_face = malloc(mesh->face_count * sizeof *arrangement->of_face);
-    if (!arrangement->of_face) return GD_NO_MEMORY;
-    memset(arrangement->of_face, 0xff, mesh->face_count * sizeof *arrangement->of_face);
-    return GD_OK;
-}
-
 enum gd_status gd__arrange(const struct gd_mesh *mesh, const struct gd_curve *curve, double snap,
-                           struct gd__budget *budget, struct gd__arrangement *out,
+                           struct gd__arena *arena, struct gd__arrangement *out,
                            struct gd_detail *detail)
 {
-    struct gd__arrangement arrangement = {0};
-    enum gd_status status = arrangement_prepare(&arrangement, mesh, snap, budget);
+    *out = (struct gd__arrangement){.nodes = {.mesh = mesh,
+                                              .arena = arena,
+                                              .snap = snap,
+                                              .of_edge = gd__cut_numbers(arena, mesh->edge_count),
+                                              .of_face = gd__cut_numbers(arena, mesh->face_count)},
+                                    .of_face = gd__cut_numbers(arena, mesh->face_count),
+                                    .waiting = GD_NONE};
+    enum gd_status status = arena->status;
     uint32_t segments = curve->closed ? curve->count : curve->count - 1;
-    for (uint32_t i = 0; i < segments && !status; i++)
-        status = push_segment(&arrangement, curve, i, detail);
-    if (!status) status = settle_all(&arrangement, curve->count);
-    if (status)
-        gd__arrangement_free(&arrangement);
-    else
-        *out = arrangement;
-    return status;
+    for (uint32_t i = 0; i < segments && !status; i++) status = push_segment(out, curve, i, detail);
+    return status ? status : settle_all(out, curve->count);
 }
 
 bool gd__is_crossed(const struct gd__arrangement *arrangement, uint32_t face)

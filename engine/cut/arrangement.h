@@ -28,7 +28,7 @@ struct gd__run { /* a part of the curve along an edge, from node a to node b */
     uint32_t edge, a, b;
 };
 
-struct gd__arrangement { /* an all-zero struct is empty */
+struct gd__arrangement { /* nodes.arena has the arrays */
     struct gd__nodes nodes;
     struct gd__segment *segments;
     uint32_t segment_count, segment_capacity;
@@ -40,13 +40,11 @@ struct gd__arrangement { /* an all-zero struct is empty */
 };
 
 /* Computes the arrangement of a curve. Errors: GD_INVALID_ARGUMENT (consecutive points without a
- * common face), GD_RUNAWAY (work limit exceeded; a larger snap distance may help), GD_TOO_LARGE,
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. On failure nothing is allocated. */
+ * common face), GD_RUNAWAY (work limit exceeded; a larger snap distance may help), GD_TOO_LARGE
+ * (more than 2^24 segments), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__arrange(const struct gd_mesh *mesh, const struct gd_curve *curve,
-                                       double snap, struct gd__budget *budget,
+                                       double snap, struct gd__arena *arena,
                                        struct gd__arrangement *out, struct gd_detail *detail);
-/* Frees the arrays. Accepts an all-zero struct. */
-void gd__arrangement_free(struct gd__arrangement *arrangement);
 
 /* Returns true if the face has nodes or segments inside, or nodes on its sides. */
 bool gd__is_crossed(const struct gd__arrangement *arrangement, uint32_t face);

@@ -357,7 +357,7 @@ static enum gd_status check_ends(const struct gd_mesh *mesh, const struct gd_cur
 /* --- attempts --------------------------------------------------------------------------------- */
 
 /* One attempt to refine the mesh, with one snap distance. `refined` borrows from `arrangement`.
- * `arena` has the arrays of `seam` and `refined`. */
+ * `arena` has the arrays. */
 struct attempt {
     struct gd__arena arena;
     struct gd__arrangement arrangement;
@@ -369,7 +369,6 @@ struct attempt {
 static void cut_clear(struct attempt *attempt)
 {
     gd__arena_free(&attempt->arena);
-    gd__arrangement_free(&attempt->arrangement);
     attempt->flat_face = GD_NONE;
 }
 
@@ -378,7 +377,7 @@ static enum gd_status try(struct attempt *attempt, const struct gd_mesh *mesh,
 {
     cut_clear(attempt);
     enum gd_status status =
-        gd__arrange(mesh, curve, snap, &attempt->arena.budget, &attempt->arrangement, detail);
+        gd__arrange(mesh, curve, snap, &attempt->arena, &attempt->arrangement, detail);
     if (!status) status = gd__seam_make(&attempt->arrangement, &attempt->arena, &attempt->seam);
     if (!status && attempt->seam.cuts == 0)
         return gd_fail(detail, GD_INVALID_ARGUMENT,

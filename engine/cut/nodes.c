@@ -1,40 +1,14 @@
 #include "cut/nodes.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-#include "base/array.h"
 #include "mesh/canonical.h"
 
-#define MOST_ITEMS (UINT32_C(1) << 24)
-
-static uint32_t *array_of_none(size_t count)
+uint32_t *gd__cut_numbers(struct gd__arena *arena, size_t count)
 {
-    uint32_t *array = malloc(count * sizeof *array);
-    if (array) memset(array, 0xff, count * sizeof *array);
-    return array;
-}
-
-enum gd_status gd__nodes_init(struct gd__nodes *nodes, const struct gd_mesh *mesh, double snap,
-                              struct gd__budget *budget)
-{
-    enum gd_status status =
-        gd__budget_take(budget, ((size_t)mesh->edge_count + mesh->face_count) * sizeof(uint32_t));
-    if (status) return status;
-    *nodes = (struct gd__nodes){.mesh = mesh, .budget = budget, .snap = snap};
-    nodes->of_edge = array_of_none(mesh->edge_count);
-    nodes->of_face = array_of_none(mesh->face_count);
-    if (nodes->of_edge && nodes->of_face) return GD_OK;
-    gd__nodes_free(nodes);
-    return GD_NO_MEMORY;
-}
-
-void gd__nodes_free(struct gd__nodes *nodes)
-{
-    free(nodes->items);
-    free(nodes->of_edge);
-    free(nodes->of_face);
-    *nodes = (struct gd__nodes){0};
+    uint32_t *numbers = gd__arena_take(arena, count, sizeof *numbers);
+    if (numbers) memset(numbers, 0xff, count * sizeof *numbers);
+    return numbers;
 }
 
 /* --- sizes ------------------------------------------------------------------------------------ */
@@ -63,26 +37,15 @@ static void note_shift(struct gd__nodes *nodes, double length)
 
 /* --- new nodes -------------------------------------------------------------------------------- */
 
-enum gd_status gd__cut_extend(struct gd__budget *budget, void *array, uint32_t *capacity,
-                              uint32_t count, size_t size)
-{
-    if (count <= *capacity) return GD_OK;
-    if (gd__array_capacity(*capacity, count) > MOST_ITEMS) return GD_TOO_LARGE;
-    size_t more = gd__array_capacity(*capacity, count) - *capacity;
-    enum gd_status status = gd__budget_take(budget, more * size);
-    return status ? status : gd__array_extend(array, capacity, count, size, NULL);
-}
-
 /* Inserts a new node at the front of the list of its edge or face. */
 static enum gd_status nodes_add(struct gd__nodes *nodes, struct gd_point point,
                                 struct gd__site site, uint32_t *first, uint32_t *out)
 {
-    enum gd_status status = gd__cut_extend(nodes->budget, &nodes->items, &nodes->capacity,
-                                           nodes->count + 1, sizeof *nodes->items);
-    if (status) return status;
-    nodes->items[nodes->count] = (struct gd__node){point, site, *first};
-    *out = *first = nodes->mesh->vertex_count + nodes->count++;
-    return GD_OK;
+    const struct gd__node node = {point, site, *first};
+    enum gd_status status = gd__arena_append(nodes->arena, &nodes->items, &nodes->count,
+                                             &nodes->capacity, &node, sizeof node);
+    if (!status) *out = *first = nodes->mesh->vertex_count + nodes->count - 1;
+    return status;
 }
 
 /* Returns the node of an edge that is nearest to the parameter `part`, if it is within the distance

@@ -6,7 +6,7 @@
  * the reach apart. Normalised unit. */
 #pragma once
 
-#include "base/budget.h"
+#include "base/arena.h"
 #include "cut/lattice.h"
 #include "mesh/local.h"
 
@@ -20,7 +20,7 @@ struct gd__node {
 
 struct gd__nodes {
     const struct gd_mesh *mesh;
-    struct gd__budget *budget;
+    struct gd__arena *arena; /* has the arrays */
     double snap;
     double shift; /* largest distance by which a point was moved */
     struct gd__node *items;
@@ -28,14 +28,8 @@ struct gd__nodes {
     uint32_t *of_edge, *of_face; /* first node of each edge and face, or GD_NONE if there is none */
 };
 
-GD_MUST_USE enum gd_status gd__nodes_init(struct gd__nodes *nodes, const struct gd_mesh *mesh,
-                                          double snap, struct gd__budget *budget);
-void gd__nodes_free(struct gd__nodes *nodes); /* an all-zero struct is allowed */
-
-/* Makes room for `count` items in an array, within the budget. `array` is the address of the
- * array's pointer. Errors: GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE (more than 2^24 items). */
-GD_MUST_USE enum gd_status gd__cut_extend(struct gd__budget *budget, void *array,
-                                          uint32_t *capacity, uint32_t count, size_t size);
+/* Allocates an array of numbers that are all GD_NONE. Returns NULL on a failure of the arena. */
+uint32_t *gd__cut_numbers(struct gd__arena *arena, size_t count);
 
 /* Finds or creates the node at a point. Errors: GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE. */
 GD_MUST_USE enum gd_status gd__node_of_point(struct gd__nodes *nodes, const struct gd_point *point,

@@ -1,7 +1,5 @@
 #include "cut/planar.h"
 
-#include <stdlib.h>
-
 #include "base/tolerance.h"
 
 #define FIRST_CAPACITY 64
@@ -10,7 +8,6 @@
 void gd__planar_free(struct gd__planar *planar)
 {
     gd__plane_free(&planar->plane);
-    free(planar->places);
     *planar = (struct gd__planar){.budget = planar->budget, .pace = planar->pace};
 }
 
@@ -45,9 +42,8 @@ static enum gd_status planar_reserve(struct gd__planar *planar, uint32_t capacit
                                                                 capacity * sizeof *planar->places);
     if (status) return status;
     gd__planar_free(planar);
-    planar->places = malloc(capacity * sizeof *planar->places);
-    status = gd__plane_create(&planar->plane, capacity);
-    return planar->places ? status : GD_NO_MEMORY;
+    planar->places = gd__arena_take(&planar->plane.arena, capacity, sizeof *planar->places);
+    return gd__plane_create(&planar->plane, capacity);
 }
 
 enum gd_status gd__planar_begin(struct gd__planar *planar, uint32_t count)

@@ -1,8 +1,5 @@
 #include "cut/refine.h"
 
-#include <stdlib.h>
-
-#include "base/array.h"
 #include "base/tolerance.h"
 #include "cut/planar.h"
 #include "mesh/triangle.h"
@@ -96,10 +93,9 @@ static enum gd_status gather_sites(struct refining *refining, uint32_t face)
     struct gd__node_walk walk = {0};
     enum gd_status status = GD_OK;
     while ((node = gd__nodes_walk(nodes, face, &walk)) != GD_NONE) {
-        status = gd__array_extend(&refining->site_node, &refining->site_capacity, count + 1ULL,
-                                  sizeof *refining->site_node, NULL);
+        status = gd__arena_append(nodes->arena, &refining->site_node, &count,
+                                  &refining->site_capacity, &node, sizeof node);
         if (status) return status;
-        refining->site_node[count++] = node;
     }
     status = gd__planar_begin(&refining->planar, count);
     for (uint32_t s = 0; s < count && !status; s++) {
@@ -235,11 +231,10 @@ static enum gd_status cut_refine_prepare(struct refining *refining, struct gd__a
     refined->vertex = gd__arena_take(arena, 3 * triangles, sizeof *refined->vertex);
     refined->of_face = gd__arena_take(arena, faces, sizeof *refined->of_face);
     refined->in_face = gd__arena_zeroed(arena, faces, sizeof *refined->in_face);
-    refining->first_side = gd__arena_take(arena, pieces, sizeof *refining->first_side);
+    refining->first_side = gd__cut_numbers(arena, pieces);
     if (arena->status) return arena->status;
     gd__union_find_init(refined->region, (uint32_t)triangles);
     gd__union_find_init(refined->vertex, (uint32_t)(3 * triangles));
-    for (size_t i = 0; i < pieces; i++) refining->first_side[i] = GD_NONE;
     return GD_OK;
 }
 
@@ -268,10 +263,9 @@ enum gd_status gd__refine(const struct gd__arrangement *arrangement, const struc
                           struct gd__arena *arena, struct gd__refined *out, uint32_t *flat_face)
 {
     struct refining refining = {.arrangement = arrangement, .seam = seam, .refined = out};
-    refining.planar.budget = arrangement->nodes.budget;
+    refining.planar.budget = &arena->budget;
     enum gd_status status = cut_refine_prepare(&refining, arena);
     if (!status) status = refine_faces(&refining, flat_face);
     gd__planar_free(&refining.planar);
-    free(refining.site_node);
     return status;
 }

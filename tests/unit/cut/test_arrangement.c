@@ -61,13 +61,13 @@ static void crowded_polylines(void **state)
                      NULL);
         }
         struct gd_curve curve = curve_through(mesh, points, 24, true);
-        struct gd__budget budget = {0};
+        struct gd__arena arena = {0};
         struct gd__arrangement arrangement;
-        check_ok(gd__arrange(mesh, &curve, 1e-6, &budget, &arrangement, NULL), NULL);
+        check_ok(gd__arrange(mesh, &curve, 1e-6, &arena, &arrangement, NULL), NULL);
         for (uint32_t face = 0; face < mesh->face_count; face++) check_face(&arrangement, face);
         assert_true(arrangement.nodes.shift < 2e-5);
         crossings += arrangement.nodes.count;
-        gd__arrangement_free(&arrangement);
+        gd__arena_free(&arena);
         gd_curve_free(&curve);
         gd_mesh_release(mesh);
     }
@@ -81,10 +81,10 @@ static void curves_along_sides_are_runs(void **state)
     struct gd_mesh *mesh = sample_mesh("grid", (double[SAMPLE_PARAMETERS]){1, 1, 1, 1});
     struct gd_point points[] = {vertex_of(mesh, 0), point_at(mesh, 0.25, 0.25, 0),
                                 point_at(mesh, 0.75, 0.75, 0)};
-    struct gd__budget budget = {0};
+    struct gd__arena arena = {0};
     struct gd__arrangement arrangement;
     check_ok(
-        gd__arrange(mesh, &(struct gd_curve){points, 3, true}, 1e-6, &budget, &arrangement, NULL),
+        gd__arrange(mesh, &(struct gd_curve){points, 3, true}, 1e-6, &arena, &arrangement, NULL),
         NULL);
     assert_int_equal(arrangement.run_count, 3);
     assert_int_equal(arrangement.nodes.count, 2);
@@ -92,7 +92,7 @@ static void curves_along_sides_are_runs(void **state)
         assert_int_equal(arrangement.of_face[face], GD_NONE);
         assert_true(gd__is_crossed(&arrangement, face));
     }
-    gd__arrangement_free(&arrangement);
+    gd__arena_free(&arena);
     gd_mesh_release(mesh);
 }
 
