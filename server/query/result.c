@@ -58,40 +58,13 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
     return file_settle(query, cost, 0, status) && ok;
 }
 
-bool server_result_write_lines(const struct server_query *query,
-                               const struct server_result_lines *lines,
-                               struct server_answer_file *out)
-{
-    uint32_t count = lines->count, *first = calloc(count + (size_t)1, sizeof *first);
-    for (uint32_t i = 0; i < count && first; i++) first[i + 1] = first[i] + lines->paths[i].count;
-    size_t cost = first ? first[count] * sizeof(double[3]) + count * sizeof *first : 0;
-    double(*positions)[3] = NULL;
-    bool ok = false;
-    if (server_request_take(query->exchange, WHAT, cost, query->problem)) {
-        positions = first ? malloc(first[count] * sizeof *positions) : NULL;
-        for (uint32_t i = 0; i < count && positions; i++)
-            gd_points_positions(query->surface->mesh, lines->paths[i].points, lines->paths[i].count,
-                                positions + first[i]);
-        const struct gd_result result = {.points = (const double(*)[3])positions,
-                                         .first = first,
-                                         .line_count = count,
-                                         .levels = lines->levels,
-                                         .poses = lines->poses,
-                                         .pose_count = lines->pose_count};
-        ok = positions && server_result_write(query, &result,
-                                              line_formats[query->form - SERVER_FORM_FIRST], out);
-        file_settle(query, cost, 0, positions ? GD_OK : GD_NO_MEMORY);
-    }
-    free(positions);
-    free(first);
-    return ok;
-}
-
-bool server_result_write_listed(struct server_query *query, struct server_answer_file *out)
+bool server_result_write_poses(struct server_query *query, const struct gd_pose *poses,
+                               uint32_t count, struct server_answer_file *out)
 {
     if (!query->kind->list_arrays(query)) return false;
     const struct server_array *points = server_arrays_find(&query->arrays, "points"),
-                              *first = server_arrays_find(&query->arrays, "first");
+                              *first = server_arrays_find(&query->arrays, "first"),
+                              *levels = server_arrays_find(&query->arrays, "level");
     if (!points || !points->rows)
         return server_result_refuse_nothing(query->problem, "the answer has no lines");
     double(*positions)[3] = server_query_allocate(query, points->rows, sizeof *positions);
@@ -99,8 +72,16 @@ bool server_result_write_listed(struct server_query *query, struct server_answer
     server_array_copy(points, positions);
     const struct gd_result result = {.points = (const double(*)[3])positions,
                                      .first = first->source,
-                                     .line_count = (uint32_t)first->rows - 1};
+                                     .line_count = (uint32_t)first->rows - 1,
+                                     .levels = levels ? levels->source : NULL,
+                                     .poses = poses,
+                                     .pose_count = count};
     return server_result_write(query, &result, line_formats[query->form - SERVER_FORM_FIRST], out);
+}
+
+bool server_result_write_listed(struct server_query *query, struct server_answer_file *out)
+{
+    return server_result_write_poses(query, NULL, 0, out);
 }
 
 bool server_result_write_strip(const struct server_query *query, const struct gd_path *path,

@@ -24,23 +24,14 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
  * a mesh. */
 extern const struct server_form server_result_line_forms[], server_result_smooth_line_forms[];
 
-/* At least one path, borrowed. */
-struct server_result_lines {
-    const struct gd_path *paths;
-    const double *levels; /* as in struct gd_result; may be NULL */
-    uint32_t count;
-    const struct gd_pose *poses; /* as in struct gd_result; may be NULL */
-    uint32_t pose_count;
-};
+/* Like server_result_write, but the result consists of the lines in the query's arrays "points" and
+ * "first", of their levels in the array "level", if there is one, and of `count` poses (NULL means
+ * none). The query's form must be one of SERVER_RESULT_LINE_FORMS. This also works on surfaces
+ * without a mesh. */
+bool server_result_write_poses(struct server_query *query, const struct gd_pose *poses,
+                               uint32_t count, struct server_answer_file *out);
 
-/* Like server_result_write, but writes one line for each path. The query's form must be one of
- * SERVER_RESULT_LINE_FORMS. */
-bool server_result_write_lines(const struct server_query *query,
-                               const struct server_result_lines *lines,
-                               struct server_answer_file *out);
-
-/* Like server_result_write_lines, but the lines are the query's arrays "points" and "first". This
- * also works on surfaces without a mesh. */
+/* Like server_result_write_poses, without poses. */
 bool server_result_write_listed(struct server_query *query, struct server_answer_file *out);
 
 /* Unfolds a path, and the faces that it crosses, into the plane, and writes them as a drawing

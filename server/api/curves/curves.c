@@ -656,17 +656,14 @@ static enum gd_status spline_list_poses(const struct spline_query *own, struct g
 static bool spline_write(struct server_query *query, struct server_answer_file *out)
 {
     const struct spline_query *own = (const struct spline_query *)query;
-    struct server_result_lines lines = {.paths = &own->line.path, .count = 1};
     size_t bytes = own->line.count * sizeof(struct gd_pose);
     if (!own->wanted.frames || query->form != SERVER_RESULT_LINE_FORM_GLB)
-        return server_result_write_lines(query, &lines, out);
+        return server_result_write_listed(query, out);
     if (!server_request_take(query->exchange, "the file", bytes, query->problem)) return false;
     struct gd_pose *poses = malloc(bytes);
     enum gd_status status = poses ? spline_list_poses(own, poses) : GD_NO_MEMORY;
-    lines.poses = poses;
-    lines.pose_count = own->line.count;
     bool ok = status ? server_query_refuse(query, status, "the file")
-                     : server_result_write_lines(query, &lines, out);
+                     : server_result_write_poses(query, poses, own->line.count, out);
     free(poses);
     server_budget_give(query->exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes);
     query->exchange->held -= bytes;

@@ -315,13 +315,10 @@ static enum server_query_turn isolines_solve(struct server_query *query)
 
 static bool isolines_write(struct server_query *query, struct server_answer_file *out)
 {
-    const struct isolines_query *own = (const struct isolines_query *)query;
-    const struct server_result_lines lines = {
-        .paths = own->lines, .levels = own->levels, .count = own->line_count};
-    if (!own->line_count)
+    if (!((const struct isolines_query *)query)->line_count)
         return server_result_refuse_nothing(query->problem,
                                             "there are no lines at these distances");
-    return server_result_write_lines(query, &lines, out);
+    return server_result_write_listed(query, out);
 }
 
 static bool isolines_list_arrays(struct server_query *query)

@@ -229,9 +229,7 @@ static bool path_write(struct server_query *query, struct server_answer_file *ou
     const struct gd_pair_answer *answer = &((const struct pair_query *)query)->answer;
     if (isinf(answer->distance))
         return server_result_refuse_nothing(query->problem, "there is no path between the points");
-    const struct server_result_lines line = {.paths = &answer->path, .count = 1};
-    if (query->form < SERVER_RESULT_LINE_FORMS_END)
-        return server_result_write_lines(query, &line, out);
+    if (query->form < SERVER_RESULT_LINE_FORMS_END) return server_result_write_listed(query, out);
     return server_result_write_strip(query, &answer->path, out);
 }
 
