@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "base/large.h"
 
 struct gd__arena_block {
     struct gd__arena_block *next, *previous;
@@ -28,15 +29,15 @@ static void arena_unlink(struct gd__arena *arena, struct gd__arena_block *block)
         arena->newest = block->next;
 }
 
-static void *arena_add(struct gd__arena *arena, size_t count, size_t size, bool is_zeroed)
+static void *arena_add(struct gd__arena *arena, size_t count, size_t size,
+                       void *(*allocate)(size_t count, size_t size))
 {
     const size_t most = SIZE_MAX - sizeof(struct gd__arena_block);
     if (arena->status) return NULL;
     size_t bytes = size && count > most / size ? most : count * size;
     arena->status = gd__budget_take(&arena->budget, bytes);
     if (arena->status) return NULL;
-    struct gd__arena_block *block =
-        is_zeroed ? calloc(1, sizeof *block + bytes) : malloc(sizeof *block + bytes);
+    struct gd__arena_block *block = allocate(1, sizeof *block + bytes);
     if (!block) {
         arena->status = GD_NO_MEMORY;
         return NULL;
@@ -45,14 +46,24 @@ static void *arena_add(struct gd__arena *arena, size_t count, size_t size, bool 
     return block->array;
 }
 
+static void *arena_malloc(size_t count, size_t size)
+{
+    return malloc(count * size);
+}
+
 void *gd__arena_take(struct gd__arena *arena, size_t count, size_t size)
 {
-    return arena_add(arena, count, size, false);
+    return arena_add(arena, count, size, arena_malloc);
 }
 
 void *gd__arena_zeroed(struct gd__arena *arena, size_t count, size_t size)
 {
-    return arena_add(arena, count, size, true);
+    return arena_add(arena, count, size, calloc);
+}
+
+void *gd__arena_large(struct gd__arena *arena, size_t count, size_t size)
+{
+    return arena_add(arena, count, size, gd__large_array);
 }
 
 enum gd_status gd__arena_extend(struct gd__arena *arena, void *array, uint32_t *capacity,

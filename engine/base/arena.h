@@ -28,6 +28,9 @@ struct gd__arena {
 void *gd__arena_take(struct gd__arena *arena, size_t count, size_t size);
 void *gd__arena_zeroed(struct gd__arena *arena, size_t count, size_t size);
 
+/* Like gd__arena_take, but on huge pages (base/large.h). */
+void *gd__arena_large(struct gd__arena *arena, size_t count, size_t size);
+
 /* Makes room for `count` items in an array of the owner. Its pointer is stored at the address
  * `array`; NULL means a new array. The capacity doubles. The budget must cover the old and the new
  * array together. On failure the array is unchanged, and so is the status. Errors: GD_NO_MEMORY,

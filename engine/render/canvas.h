@@ -2,6 +2,7 @@
  * All positions and widths are in pixels. */
 #pragma once
 
+#include "base/arena.h"
 #include "render/camera.h"
 #include "render/image.h"
 #include "render/lines.h"
@@ -50,12 +51,12 @@ struct gd__paint {
     uint8_t *coverage; /* for each pixel, coverage by the current shape; all 0 between calls */
 };
 
-/* Opens a canvas on an image. `control` may be NULL; later, a cancel or a deadline sets the canvas'
- * status to GD_CANCELLED or GD_DEADLINE. Errors: GD_NO_MEMORY, GD_BUDGET. */
+/* Opens a canvas on an image, with its array in the arena. `control` may be NULL; later, a cancel
+ * or a deadline sets the canvas' status to GD_CANCELLED or GD_DEADLINE. Errors: GD_NO_MEMORY,
+ * GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image,
-                                          struct gd__budget *budget,
+                                          struct gd__arena *arena,
                                           const struct gd_control *control);
-void gd__paint_close(struct gd__paint *paint); /* must be called even after a failure */
 
 /* --- as SVG ----------------------------------------------------------------------------------- */
 

@@ -2,8 +2,6 @@
 
 #include <stdlib.h>
 
-#include "base/large.h"
-
 /* A position on the surface counts as visible if its depth exceeds the depth of its pixel's sample
  * by at most the following sum: SLACK + AWAY x the face's steepness. */
 #define SLACK 1.0 /* pixels of depth */
@@ -15,25 +13,16 @@
 enum { SHORTEST = 6 };
 
 enum gd_status gd__depth_buffer_open(struct gd__depth_buffer *buffer,
-                                     const struct gd__raster *raster)
+                                     const struct gd__raster *raster, struct gd__arena *arena)
 {
     size_t pixels = (size_t)raster->width * raster->height;
     *buffer = (struct gd__depth_buffer){.mesh = raster->mesh,
                                         .points = raster->points,
                                         .width = raster->width,
                                         .height = raster->height};
-    enum gd_status status =
-        gd__budget_take(raster->budget, pixels * (sizeof *buffer->depth + sizeof *buffer->face));
-    if (status) return status;
-    buffer->depth = gd__large_array(pixels, sizeof *buffer->depth);
-    buffer->face = gd__large_array(pixels, sizeof *buffer->face);
-    return buffer->depth && buffer->face ? GD_OK : GD_NO_MEMORY;
-}
-
-void gd__depth_buffer_close(struct gd__depth_buffer *buffer)
-{
-    free(buffer->depth);
-    free(buffer->face);
+    buffer->depth = gd__arena_large(arena, pixels, sizeof *buffer->depth);
+    buffer->face = gd__arena_large(arena, pixels, sizeof *buffer->face);
+    return arena->status;
 }
 
 void gd__depth_buffer_take(struct gd__depth_buffer *buffer, const struct gd__raster *raster,

@@ -14,10 +14,10 @@ struct gd__depth_buffer {
     uint32_t *face; /* for each pixel, face of that sample; GD_NONE means background */
 };
 
-/* Opens a buffer, which must be closed even after a failure. Errors: GD_NO_MEMORY, GD_BUDGET. */
+/* Opens a buffer with arrays in the arena. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__depth_buffer_open(struct gd__depth_buffer *buffer,
-                                                 const struct gd__raster *raster);
-void gd__depth_buffer_close(struct gd__depth_buffer *buffer);
+                                                 const struct gd__raster *raster,
+                                                 struct gd__arena *arena);
 
 /* Copies one sample of each pixel of the raster's band. */
 void gd__depth_buffer_take(struct gd__depth_buffer *buffer, const struct gd__raster *raster,

@@ -1,25 +1,6 @@
 #include "render/image.h"
 
 #include <math.h>
-#include <stdlib.h>
-
-#include "base/large.h"
-
-enum gd_status gd__image_open(struct gd__image *image, uint32_t width, uint32_t height,
-                              struct gd__budget *budget)
-{
-    size_t pixels = (size_t)width * height;
-    *image = (struct gd__image){.width = width, .height = height};
-    enum gd_status status = gd__budget_take(budget, pixels * sizeof *image->pixel);
-    if (status) return status;
-    image->pixel = gd__large_array(pixels, sizeof *image->pixel);
-    return image->pixel ? GD_OK : GD_NO_MEMORY;
-}
-
-void gd__image_close(struct gd__image *image)
-{
-    free(image->pixel);
-}
 
 /* Applies Porter and Duff's "over", for colours that are not premultiplied by opacity. */
 void gd__image_blend(struct gd__image *image, size_t pixel, struct gd__colour colour,

@@ -11,12 +11,6 @@ struct gd__image {
     uint8_t (*pixel)[4]; /* rows from top to bottom */
 };
 
-/* Opens an image with uninitialised pixels, which must be closed even after a failure. Errors:
- * GD_NO_MEMORY, GD_BUDGET. */
-GD_MUST_USE enum gd_status gd__image_open(struct gd__image *image, uint32_t width, uint32_t height,
-                                          struct gd__budget *budget);
-void gd__image_close(struct gd__image *image);
-
 /* Blends a colour with an opacity over a pixel. */
 void gd__image_blend(struct gd__image *image, size_t pixel, struct gd__colour colour,
                      double opacity);

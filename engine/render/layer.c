@@ -50,11 +50,9 @@ static void mark_set(struct gd__mark *mark, const struct gd__stage *stage, struc
 static enum gd_status marks_open(struct gd__layer *layer, const struct gd__stage *stage,
                                  uint32_t count)
 {
-    enum gd_status status = gd__budget_take(stage->budget, count * sizeof *layer->marks);
-    if (status) return status;
-    layer->marks = malloc((count + (size_t)1) * sizeof *layer->marks);
+    layer->marks = gd__arena_take(stage->arena, count, sizeof *layer->marks);
     layer->mark_count = layer->marks ? count : 0;
-    return layer->marks ? GD_OK : GD_NO_MEMORY;
+    return stage->arena->status;
 }
 
 static bool is_near(const struct gd__stage *stage, struct gd__screen_point point)
@@ -108,16 +106,16 @@ static enum gd_status line_split(struct gd__layer *layer, const struct gd__stage
         gd__lines_end(&layer->seen);
         gd__lines_simplify(&layer->seen, 0.1);
     } else {
-        enum gd_status status = gd__budget_take(stage->budget, working);
+        enum gd_status status = gd__budget_take(&stage->arena->budget, working);
         if (status) return status;
         status = gd__depth_buffer_split(stage->buffer, line, count, &layer->seen, hidden);
-        stage->budget->held -= working;
+        stage->arena->budget.held -= working;
         if (status) return status;
     }
     size_t after = (size_t)layer->seen.place_count + layer->hidden.place_count;
-    return layer->seen.status
-               ? layer->seen.status
-               : gd__budget_take(stage->budget, 2 * (after - before) * sizeof *layer->seen.places);
+    return layer->seen.status ? layer->seen.status
+                              : gd__budget_take(&stage->arena->budget,
+                                                2 * (after - before) * sizeof *layer->seen.places);
 }
 
 /* Projects a line with parts far outside the picture, and divides it segment by segment. */
@@ -162,7 +160,7 @@ static enum gd_status line_project(struct gd__layer *layer, const struct gd__sta
 {
     size_t bytes = count * sizeof(struct gd__screen_point);
     bool is_inside = true;
-    enum gd_status status = gd__budget_take(stage->budget, bytes);
+    enum gd_status status = gd__budget_take(&stage->arena->budget, bytes);
     if (status) return status;
     struct gd__screen_point *line = malloc(bytes);
     for (uint32_t i = 0; line && i < count; i++) {
@@ -174,7 +172,7 @@ static enum gd_status line_project(struct gd__layer *layer, const struct gd__sta
                          : line_split_clipped(layer, stage, line, count);
     if (!status && layer->wanted->ends == GD_LINE_ENDS_ARROWS) arrow_add(layer, stage, line, count);
     free(line);
-    stage->budget->held -= bytes;
+    stage->arena->budget.held -= bytes;
     return status ? status : layer->seen.status;
 }
 
@@ -212,8 +210,6 @@ void gd__layer_free(struct gd__layer *layer)
 {
     gd__lines_free(&layer->seen);
     gd__lines_free(&layer->hidden);
-    free(layer->marks);
-    layer->marks = NULL;
 }
 
 /* --- drawing ---------------------------------------------------------------------------------- */

@@ -11,7 +11,7 @@ struct gd__stage {
     const struct gd__camera *camera;
     const struct gd__depth_buffer *buffer;
     const struct gd__palette *palette;
-    struct gd__budget *budget;
+    struct gd__arena *arena;
     double unit; /* unit of the legend, in pixels */
 };
 

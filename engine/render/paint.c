@@ -1,5 +1,4 @@
 #include <math.h>
-#include <stdlib.h>
 
 #include "render/canvas.h"
 
@@ -150,20 +149,13 @@ static void paint_end_layer(struct gd__canvas *canvas)
 }
 
 enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image,
-                              struct gd__budget *budget, const struct gd_control *control)
+                              struct gd__arena *arena, const struct gd_control *control)
 {
     size_t pixels = (size_t)image->width * image->height;
     *paint = (struct gd__paint){.canvas = {paint_stroke, paint_disc, paint_text, paint_scale,
                                            paint_begin_layer, paint_end_layer, GD_OK},
                                 .image = image,
                                 .control = control};
-    enum gd_status status = gd__budget_take(budget, pixels);
-    if (status) return status;
-    paint->coverage = calloc(pixels, 1);
-    return paint->coverage ? GD_OK : GD_NO_MEMORY;
-}
-
-void gd__paint_close(struct gd__paint *paint)
-{
-    free(paint->coverage);
+    paint->coverage = gd__arena_zeroed(arena, pixels, 1);
+    return arena->status;
 }

@@ -50,7 +50,7 @@ struct chooser {
     const struct gd_mesh *mesh;
     struct gd_vec3 up;
     const struct subject *subject;
-    struct gd__budget *budget;
+    const struct gd__budget *budget;
     struct gd__screen_point *points, *line;
 };
 
@@ -72,9 +72,9 @@ static double points_seen(const struct chooser *chooser, const struct gd__depth_
 }
 
 static enum gd_status sketch_view(const struct chooser *chooser, const struct gd_control *control,
-                                  struct gd__raster *raster, double *seen)
+                                  struct gd__raster *raster, struct gd__arena *arena, double *seen)
 {
-    enum gd_status status = gd__raster_open(raster, control);
+    enum gd_status status = gd__raster_open(raster, arena, control);
     if (!status) status = gd__raster_fill(raster, 0, control);
     if (status) return status;
     const struct gd__depth_buffer buffer = {.mesh = chooser->mesh,
@@ -93,8 +93,7 @@ static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 dir
 {
     const struct gd_mesh *mesh = chooser->mesh;
     struct gd__camera camera = gd__camera_aim(mesh, direction, chooser->up);
-    /* a copy of the budget, because the sketch frees all its memory */
-    struct gd__budget budget = *chooser->budget;
+    struct gd__arena arena = {.budget = *chooser->budget};
     gd__camera_fit(&camera, mesh, NULL, 0, &sketch);
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         chooser->points[v] = gd__camera_project(&camera, mesh->position[v]);
@@ -105,10 +104,9 @@ static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 dir
                                 .width = (uint32_t)(sketch.width + 2 * sketch.left),
                                 .height = (uint32_t)(sketch.height + 2 * sketch.top),
                                 .grid = 1,
-                                .rows = UINT32_MAX,
-                                .budget = &budget};
-    enum gd_status status = sketch_view(chooser, control, &raster, seen);
-    gd__raster_close(&raster);
+                                .rows = UINT32_MAX};
+    enum gd_status status = sketch_view(chooser, control, &raster, &arena, seen);
+    gd__arena_free(&arena);
     return status;
 }
 
@@ -248,8 +246,7 @@ static enum gd_status open_surface(struct studio *studio)
                                          .width = studio->legend.width,
                                          .height = studio->legend.height,
                                          .grid = GRID,
-                                         .rows = gd__raster_rows(studio->legend.width),
-                                         .budget = &studio->arena.budget};
+                                         .rows = gd__raster_rows(studio->legend.width)};
     studio->shade = (struct gd__shade){.raster = &studio->raster,
                                        .camera = &studio->camera,
                                        .palette = &studio->palette,
@@ -257,14 +254,16 @@ static enum gd_status open_surface(struct studio *studio)
                                        .range = studio->scale.range,
                                        .edges = studio->picture->edges};
     struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
-    enum gd_status status = gd__raster_open(&studio->raster, &control);
-    if (!status) status = gd__shade_open(&studio->shade, &control);
-    if (!status) status = gd__depth_buffer_open(&studio->buffer, &studio->raster);
-    if (!status)
-        status = gd__image_open(&studio->image, studio->raster.width, studio->raster.height,
-                                &studio->arena.budget);
-    studio->image.is_opaque = !studio->palette.is_transparent;
-    return status;
+    size_t pixels = (size_t)studio->raster.width * studio->raster.height;
+    studio->image = (struct gd__image){
+        .width = studio->raster.width,
+        .height = studio->raster.height,
+        .is_opaque = !studio->palette.is_transparent,
+        .pixel = gd__arena_large(&studio->arena, pixels, sizeof *studio->image.pixel)};
+    enum gd_status status = gd__raster_open(&studio->raster, &studio->arena, &control);
+    if (!status) status = gd__shade_open(&studio->shade, &studio->arena, &control);
+    return status ? status
+                  : gd__depth_buffer_open(&studio->buffer, &studio->raster, &studio->arena);
 }
 
 static enum gd_status draw_surface(struct studio *studio)
@@ -323,7 +322,7 @@ static enum gd_status find_lines(struct studio *studio)
                                        .camera = &studio->camera,
                                        .buffer = &studio->buffer,
                                        .palette = &studio->palette,
-                                       .budget = &studio->arena.budget,
+                                       .arena = &studio->arena,
                                        .unit = studio->legend.unit};
     for (uint32_t i = 0; i < studio->layers.count && !status; i++) {
         struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
@@ -374,10 +373,9 @@ static enum gd_status finish_png(struct studio *studio, void **bytes, size_t *si
 {
     struct gd__paint paint;
     struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
-    enum gd_status status = gd__paint_open(&paint, &studio->image, &studio->arena.budget, &control);
+    enum gd_status status = gd__paint_open(&paint, &studio->image, &studio->arena, &control);
     if (!status) draw_lines(studio, &paint.canvas);
     if (!status) status = paint.canvas.status;
-    gd__paint_close(&paint);
     return status ? status
                   : gd__image_png(&studio->image, &studio->arena.budget, &control, bytes, size);
 }
@@ -425,8 +423,8 @@ static void set_up(struct studio *studio, const struct gd_picture *picture,
 static enum gd_status draw(struct studio *studio)
 {
     struct subject subject = {0};
-    enum gd_status status = gd__layer_list_open(&studio->layers, studio->picture, &studio->palette,
-                                                &studio->arena.budget);
+    enum gd_status status =
+        gd__layer_list_open(&studio->layers, studio->picture, &studio->palette, &studio->arena);
     if (status) return status;
     studio->legend.palette = &studio->palette;
     studio->legend.layers = studio->layers.items;
@@ -440,12 +438,8 @@ static enum gd_status draw(struct studio *studio)
 
 static void picture_clear(struct studio *studio)
 {
-    gd__layer_list_free(&studio->layers);
+    for (uint32_t i = 0; i < studio->layers.count; i++) gd__layer_free(&studio->layers.items[i]);
     gd__arena_free(&studio->arena);
-    gd__raster_close(&studio->raster);
-    gd__depth_buffer_close(&studio->buffer);
-    gd__shade_close(&studio->shade);
-    gd__image_close(&studio->image);
     gd__lines_free(&studio->isolines);
 }
 

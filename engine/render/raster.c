@@ -1,9 +1,5 @@
 #include "render/raster.h"
 
-#include <stdlib.h>
-
-#include "base/large.h"
-
 enum {
     FACE_WORK = 64,
     CHECK_INTERVAL = 1 << 18, /* samples */
@@ -176,17 +172,18 @@ static enum gd_status count_faces(struct gd__raster *raster, const struct gd_con
 }
 
 /* Lists the faces of each band, by a counting sort. */
-static enum gd_status list_faces(struct gd__raster *raster, const struct gd_control *control)
+static enum gd_status list_faces(struct gd__raster *raster, struct gd__arena *arena,
+                                 const struct gd_control *control)
 {
     const struct gd_mesh *mesh = raster->mesh;
     bool is_closed = gd_mesh_summary(mesh)->boundaries == 0;
     uint32_t *next = raster->first;
     uint64_t total = 0;
     enum gd_status status = count_faces(raster, control, &total);
-    if (!status) status = gd__budget_take(raster->budget, (total + 1) * sizeof *raster->faces);
+    if (!status && total > UINT32_MAX) status = GD_NO_MEMORY;
     if (status) return status;
-    raster->faces = total <= UINT32_MAX ? malloc((total + 1) * sizeof *raster->faces) : NULL;
-    if (!raster->faces) return GD_NO_MEMORY;
+    raster->faces = gd__arena_take(arena, total + 1, sizeof *raster->faces);
+    if (!raster->faces) return arena->status;
     for (uint32_t b = 1; b <= raster->bands; b++) next[b] += next[b - 1];
     for (uint32_t f = mesh->face_count; f-- > 0 && !status;) {
         struct span span = raster_span_of(raster, f, is_closed);
@@ -198,26 +195,14 @@ static enum gd_status list_faces(struct gd__raster *raster, const struct gd_cont
 
 /* --- life ------------------------------------------------------------------------------------- */
 
-enum gd_status gd__raster_open(struct gd__raster *raster, const struct gd_control *control)
+enum gd_status gd__raster_open(struct gd__raster *raster, struct gd__arena *arena,
+                               const struct gd_control *control)
 {
     if (raster->rows > raster->height) raster->rows = raster->height;
     size_t samples = (size_t)raster->rows * raster->width * raster->grid * raster->grid;
     raster->bands = (raster->height + raster->rows - 1) / raster->rows;
-    enum gd_status status =
-        gd__budget_take(raster->budget, samples * (sizeof *raster->depth + sizeof *raster->face) +
-                                            (raster->bands + 1) * sizeof *raster->first);
-    if (status) return status;
-    raster->first = malloc((raster->bands + 1) * sizeof *raster->first);
-    raster->depth = gd__large_array(samples, sizeof *raster->depth);
-    raster->face = gd__large_array(samples, sizeof *raster->face);
-    return raster->first && raster->depth && raster->face ? list_faces(raster, control)
-                                                          : GD_NO_MEMORY;
-}
-
-void gd__raster_close(struct gd__raster *raster)
-{
-    free(raster->first);
-    free(raster->faces);
-    free(raster->depth);
-    free(raster->face);
+    raster->first = gd__arena_take(arena, raster->bands + (size_t)1, sizeof *raster->first);
+    raster->depth = gd__arena_large(arena, samples, sizeof *raster->depth);
+    raster->face = gd__arena_large(arena, samples, sizeof *raster->face);
+    return arena->status ? arena->status : list_faces(raster, arena, control);
 }

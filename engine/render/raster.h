@@ -7,7 +7,7 @@
  * that a band's samples stay in the cache. */
 #pragma once
 
-#include "base/budget.h"
+#include "base/arena.h"
 #include "render/camera.h"
 
 /* Returns the number of pixel rows of a band, chosen so that its samples fit the cache and checks
@@ -28,18 +28,16 @@ struct gd__raster {
     uint32_t bands;
     /* the faces of band b are faces[first[b]] to faces[first[b + 1] - 1] */
     uint32_t *first, *faces;
-    struct gd__budget *budget; /* charged for all memory; may be NULL */
     /* depths of the last filled band, in rows of width * grid samples; INFINITY means no face */
     float *depth;
     uint32_t *face; /* faces of those samples; GD_NONE means no face */
 };
 
-/* Opens a raster and lists the faces of its bands; if the surface is closed, the lists omit faces
- * that are seen from behind. The raster must be closed even after a failure. Errors: GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
-GD_MUST_USE enum gd_status gd__raster_open(struct gd__raster *raster,
+/* Opens a raster with arrays in the arena and lists the faces of its bands; if the surface is
+ * closed, the lists omit faces that are seen from behind. Errors: GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__raster_open(struct gd__raster *raster, struct gd__arena *arena,
                                            const struct gd_control *control);
-void gd__raster_close(struct gd__raster *raster);
 
 /* Fills the samples of a band; `control` may be NULL. Errors: GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__raster_fill(struct gd__raster *raster, uint32_t band,

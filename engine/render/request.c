@@ -1,7 +1,6 @@
 #include "render/request.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "gd/isoline.h"
@@ -112,13 +111,11 @@ bool gd__request_is_sound(const struct gd_picture *picture)
 
 /* Creates the layer of the picture's path. */
 static enum gd_status path_open(struct gd__layer_list *list, const struct gd_picture *picture,
-                                struct gd__budget *budget)
+                                struct gd__arena *arena)
 {
     const struct gd_path *path = picture->path;
-    size_t bytes = path->count * sizeof *list->path_points;
-    enum gd_status status = gd__budget_take(budget, bytes);
-    list->path_points = status ? NULL : malloc(bytes);
-    if (!list->path_points) return status ? status : GD_NO_MEMORY;
+    list->path_points = gd__arena_take(arena, path->count, sizeof *list->path_points);
+    if (!list->path_points) return arena->status;
     for (uint32_t i = 0; i < path->count; i++)
         list->path_points[i] = gd_point_position(picture->mesh, &path->points[i]);
     snprintf(list->path_name, sizeof list->path_name, "path length %.9g", path->length);
@@ -132,14 +129,12 @@ static enum gd_status path_open(struct gd__layer_list *list, const struct gd_pic
 }
 
 enum gd_status gd__layer_list_open(struct gd__layer_list *list, const struct gd_picture *picture,
-                                   const struct gd__palette *palette, struct gd__budget *budget)
+                                   const struct gd__palette *palette, struct gd__arena *arena)
 {
     uint32_t has_path = picture->path != NULL, count = has_path + picture->layer_count;
-    enum gd_status status = gd__budget_take(budget, (size_t)count * sizeof *list->items);
-    if (!status && has_path) status = path_open(list, picture, budget);
-    if (status) return status;
-    list->items = calloc(count + (size_t)1, sizeof *list->items);
-    if (!list->items) return GD_NO_MEMORY;
+    enum gd_status status = has_path ? path_open(list, picture, arena) : GD_OK;
+    list->items = gd__arena_zeroed(arena, count, sizeof *list->items);
+    if (status || !list->items) return arena->status;
     list->count = count;
     for (uint32_t i = 0, number = 0; i < count; i++) {
         struct gd__layer *layer = &list->items[i];
@@ -148,13 +143,6 @@ enum gd_status gd__layer_list_open(struct gd__layer_list *list, const struct gd_
         number += layer->wanted->first && !layer->wanted->colour;
     }
     return GD_OK;
-}
-
-void gd__layer_list_free(struct gd__layer_list *list)
-{
-    for (uint32_t i = 0; i < list->count; i++) gd__layer_free(&list->items[i]);
-    free(list->items);
-    free(list->path_points);
 }
 
 /* --- isolines --------------------------------------------------------------------------------- */

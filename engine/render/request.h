@@ -2,6 +2,7 @@
  * checked, defaults replaced, the path becomes a layer, and isolines become polylines. */
 #pragma once
 
+#include "base/arena.h"
 #include "base/share.h"
 #include "render/layer.h"
 #include "render/scale.h"
@@ -25,13 +26,12 @@ struct gd__layer_list {
     char path_name[48];
 };
 
-/* Lists the layers with their colours, not projected. The caller frees the list even after a
- * failure. Errors: GD_NO_MEMORY, GD_BUDGET. */
+/* Lists the layers with their colours, not projected, with arrays in the arena. Errors:
+ * GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__layer_list_open(struct gd__layer_list *list,
                                                const struct gd_picture *picture,
                                                const struct gd__palette *palette,
-                                               struct gd__budget *budget);
-void gd__layer_list_free(struct gd__layer_list *list);
+                                               struct gd__arena *arena);
 
 /* Returns the number of isolines. `scale` is used only if there is a field. */
 uint32_t gd__isoline_count(const struct gd_picture *picture, const struct gd__scale *scale);

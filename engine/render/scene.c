@@ -138,11 +138,11 @@ static void layer_write(struct scene *scene, uint32_t i)
 static enum gd_status layers_open(struct scene *scene)
 {
     enum gd_status status =
-        gd__layer_list_open(&scene->layers, scene->picture, &scene->palette, &scene->arena.budget);
+        gd__layer_list_open(&scene->layers, scene->picture, &scene->palette, &scene->arena);
     size_t room = scene->layers.count + (size_t)1;
     scene->written = gd__arena_zeroed(&scene->arena, room, sizeof *scene->written);
     scene->names = gd__arena_zeroed(&scene->arena, room, sizeof *scene->names);
-    if (status || scene->arena.status) return status ? status : scene->arena.status;
+    if (status || scene->arena.status) return scene->arena.status;
     if (scene->isolines.count) isolines_write(scene);
     for (uint32_t i = 0; i < scene->layers.count; i++) layer_write(scene, i);
     return GD_OK;
@@ -169,7 +169,6 @@ static enum gd_status file_write(struct scene *scene, void **bytes, size_t *size
 
 static void scene_clear(struct scene *scene)
 {
-    gd__layer_list_free(&scene->layers);
     gd_polygons_free(&scene->polygons);
     gd__arena_free(&scene->arena);
 }

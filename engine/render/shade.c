@@ -1,8 +1,5 @@
 #include "render/shade.h"
 
-#include <stdlib.h>
-
-#include "base/large.h"
 #include "mesh/canonical.h"
 
 /* A *fragment* is the part of a pixel that shows one face: all samples of the pixel with that face.
@@ -100,55 +97,24 @@ static enum gd_status normals_make(const struct gd_mesh *mesh, const struct gd_c
 
 /* --- life ------------------------------------------------------------------------------------- */
 
-static size_t band_pixels(const struct gd__shade *shade)
-{
-    return (size_t)shade->raster->width * shade->raster->rows;
-}
-
-static enum gd_status make_normals(struct gd__shade *shade, const struct gd_control *control)
+enum gd_status gd__shade_open(struct gd__shade *shade, struct gd__arena *arena,
+                              const struct gd_control *control)
 {
     const struct gd_mesh *mesh = shade->raster->mesh;
-    struct gd__normal *flat = malloc(mesh->face_count * sizeof *flat);
-    shade->corners = gd__large_array(mesh->face_count, sizeof *shade->corners);
-    enum gd_status status =
-        flat && shade->corners ? normals_make(mesh, control, flat, shade->corners) : GD_NO_MEMORY;
-    free(flat);
-    return status;
-}
-
-enum gd_status gd__shade_open(struct gd__shade *shade, const struct gd_control *control)
-{
-    size_t batch = BATCH *
-                   (sizeof *shade->fragments + sizeof *shade->points + sizeof *shade->distances),
-           normals = (size_t)shade->raster->mesh->face_count *
-                     (sizeof *shade->corners + sizeof(struct gd__normal));
-    shade->corners = NULL;
-    shade->fragments = NULL;
-    shade->points = NULL;
-    shade->distances = NULL;
-    shade->sum = NULL;
+    size_t pixels = (size_t)shade->raster->width * shade->raster->rows;
     shade->fragment_count = 0;
     for (int i = 0; i <= GD__SHADE_COLOURS; i++)
         shade->colours[i] = gd__colour_of_part((double)i / GD__SHADE_COLOURS);
-    enum gd_status status = gd__budget_take(
-        shade->raster->budget, batch + normals + band_pixels(shade) * sizeof *shade->sum);
-    if (status) return status;
-    shade->fragments = malloc(BATCH * sizeof *shade->fragments);
-    shade->points = malloc(BATCH * sizeof *shade->points);
-    shade->distances = malloc(BATCH * sizeof *shade->distances);
-    shade->sum = malloc(band_pixels(shade) * sizeof *shade->sum);
-    if (!shade->fragments || !shade->points || !shade->distances || !shade->sum)
-        return GD_NO_MEMORY;
-    return make_normals(shade, control);
-}
-
-void gd__shade_close(struct gd__shade *shade)
-{
-    free(shade->corners);
-    free(shade->fragments);
-    free(shade->points);
-    free(shade->distances);
-    free(shade->sum);
+    shade->fragments = gd__arena_take(arena, BATCH, sizeof *shade->fragments);
+    shade->points = gd__arena_take(arena, BATCH, sizeof *shade->points);
+    shade->distances = gd__arena_take(arena, BATCH, sizeof *shade->distances);
+    shade->sum = gd__arena_take(arena, pixels, sizeof *shade->sum);
+    shade->corners = gd__arena_large(arena, mesh->face_count, sizeof *shade->corners);
+    struct gd__arena scratch = {.budget = arena->budget, .status = arena->status};
+    struct gd__normal *flat = gd__arena_take(&scratch, mesh->face_count, sizeof *flat);
+    if (!scratch.status) scratch.status = normals_make(mesh, control, flat, shade->corners);
+    gd__arena_free(&scratch);
+    return scratch.status;
 }
 
 /* --- the colour of a fragment ----------------------------------------------------------------- */

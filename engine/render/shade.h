@@ -34,11 +34,10 @@ struct gd__shade {
     float (*sum)[4];
 };
 
-/* Opens a shade, whose public members the caller has set. It must be closed even after a failure.
- * Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
-GD_MUST_USE enum gd_status gd__shade_open(struct gd__shade *shade,
+/* Opens a shade, whose public members the caller has set, with arrays in the arena. Errors:
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__shade_open(struct gd__shade *shade, struct gd__arena *arena,
                                           const struct gd_control *control);
-void gd__shade_close(struct gd__shade *shade);
 
 /* Colours the image's rows of the band that the raster has filled. Errors: GD_NO_MEMORY, GD_BUDGET,
  * GD_CANCELLED, GD_DEADLINE. */

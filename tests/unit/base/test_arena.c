@@ -14,11 +14,13 @@ static void arrays_are_separate(void **state)
     double *first = gd__arena_take(&arena, 100, sizeof *first);
     char *empty = gd__arena_take(&arena, 0, 8);
     int *second = gd__arena_zeroed(&arena, 100, sizeof *second);
+    char *large = gd__arena_large(&arena, 5 << 20, 1);
     assert_int_equal(arena.status, GD_OK);
     assert_non_null(empty);
     memset(first, 255, 100 * sizeof *first);
+    memset(large, 255, 5 << 20);
     for (int i = 0; i < 100; i++) assert_int_equal(second[i], 0);
-    assert_int_equal(arena.budget.held, 1200);
+    assert_int_equal(arena.budget.held, 1200 + (5 << 20));
     gd__arena_free(&arena);
     assert_int_equal(arena.budget.held, 0);
 }

@@ -11,6 +11,7 @@ struct scene {
     struct gd_mesh *mesh;
     struct gd__screen_point *points;
     struct gd__raster raster;
+    struct gd__arena arena;
 };
 
 /* Opens a scene in which x and y are pixels and z is the depth. */
@@ -29,13 +30,13 @@ static struct scene open_scene(struct gd_polygons *polygons, uint32_t rows)
                                        .height = SIDE,
                                        .grid = GRID,
                                        .rows = rows};
-    check_ok(gd__raster_open(&scene.raster, NULL), NULL);
+    check_ok(gd__raster_open(&scene.raster, &scene.arena, NULL), NULL);
     return scene;
 }
 
 static void close_scene(struct scene *scene)
 {
-    gd__raster_close(&scene->raster);
+    gd__arena_free(&scene->arena);
     free(scene->points);
     gd_mesh_release(scene->mesh);
 }
