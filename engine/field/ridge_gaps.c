@@ -76,29 +76,22 @@ static struct place place_of(const struct gd__diagram *diagram, uint32_t node)
 /* Lists the nodes on marked elements, or the loose nodes if `marks` is NULL, sorted by element. */
 static enum gd_status list_places(struct gd__ridges *ridges, const bool *marks, struct places *out)
 {
-    const struct gd__diagram *diagram = &ridges->diagram;
-    struct gd__pace *pace = &ridges->pace;
-    uint32_t count = 0;
-    for (int pass = 0; pass < 2; pass++) {
-        uint32_t found = 0;
-        GD__PACED (pace, i, diagram->node_count) {
-            const struct gd__node *node = &diagram->node[i];
-            bool is_listed =
-                marks ? marks[mark_of(diagram->mesh, node->point.kind, node->point.element)]
-                      : gd__ridge_is_loose(node);
-            if (!is_listed) continue;
-            if (pass) out->place[found] = place_of(diagram, i);
-            found++;
-        }
-        if (pace->status) return pace->status;
-        if (pass) break;
-        out->place = gd__arena_take(&ridges->diagram.arena, found, sizeof *out->place);
-        if (!out->place) return ridges->diagram.arena.status;
-        count = found;
+    struct gd__diagram *diagram = &ridges->diagram;
+    uint32_t capacity = 0;
+    enum gd_status status = GD_OK;
+    GD__PACED (&ridges->pace, i, diagram->node_count) {
+        const struct gd__node *node = &diagram->node[i];
+        bool is_listed = marks
+                             ? marks[mark_of(diagram->mesh, node->point.kind, node->point.element)]
+                             : gd__ridge_is_loose(node);
+        if (status || !is_listed) continue;
+        struct place place = place_of(diagram, i);
+        status = gd__arena_append(&diagram->arena, &out->place, &out->count, &capacity, &place,
+                                  sizeof place);
     }
-    out->count = count;
-    qsort(out->place, count, sizeof *out->place, by_element);
-    return GD_OK;
+    if (!status) status = ridges->pace.status;
+    if (!status && out->count) qsort(out->place, out->count, sizeof *out->place, by_element);
+    return status;
 }
 
 /* Marks the faces of loose ends, with their edges and vertices. */
