@@ -1,9 +1,9 @@
 #include "subdiv/limit_grid.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/large.h"
+#include "subdiv/domain.h"
 #include "subdiv/grid.h"
 #include "subdiv/tiling.h"
 
@@ -146,16 +146,10 @@ uint32_t gd_limit_grid_level(const struct gd_limit_grid *grid)
  * vertex is not on that side. */
 static int32_t along_side(const struct gd_limit_grid *grid, uint32_t k, const int32_t at[2])
 {
-    int32_t cells = (int32_t)grid->cells, i = at[0], j = at[1];
-    if (grid->surface->rules->arity == 3) {
-        if (k == 0) return j == 0 ? i : -1;
-        if (k == 1) return i + j == cells ? j : -1;
-        return i == 0 ? cells - j : -1;
-    }
-    if (k == 0) return j == 0 ? i : -1;
-    if (k == 1) return i == cells ? j : -1;
-    if (k == 2) return j == cells ? cells - i : -1;
-    return i == 0 ? cells - j : -1;
+    uint32_t arity = grid->surface->rules->arity;
+    double cells = grid->cells, s = at[0] / cells, t = at[1] / cells; /* exact */
+    return gd__line_at(arity, k, s, t) == 0 ? (int32_t)(cells * gd__along_side(arity, k, s, t))
+                                            : -1;
 }
 
 bool gd__grid_settle(const struct gd_limit_grid *grid, struct gd__grid_edge *edge)
@@ -201,10 +195,9 @@ static bool is_cut_from_a(const struct gd_limit_grid *grid, uint32_t face, int32
 static void apex_over_side(const struct gd_limit_grid *grid, uint32_t face, const int32_t cell[2],
                            int from, int32_t apex[2])
 {
-    static const int8_t at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     bool even = is_cut_from_a(grid, face, cell[0], cell[1]);
     int on_diagonal = (from % 2 == 0) == even ? from : from + 1;
-    for (int k = 0; k < 2; k++) apex[k] = cell[k] + at[(on_diagonal + 2) % 4][k];
+    for (int k = 0; k < 2; k++) apex[k] = cell[k] + gd__cell_corners[(on_diagonal + 2) % 4][k];
 }
 
 static void apex_in_quads(const struct gd_limit_grid *grid, const struct gd__grid_edge *edge,
@@ -235,28 +228,16 @@ void gd__grid_apex(const struct gd_limit_grid *grid, const struct gd__grid_edge 
     apex[1] = edge->p[1] + x + y;
 }
 
-static int32_t grid_cell_of(double at, int32_t most)
-{
-    int32_t cell = (int32_t)at;
-    return cell < most ? cell : most;
-}
-
 void gd__grid_triangle(const struct gd_limit_grid *grid, const struct gd__face_place *place,
                        int32_t corners[3][2], double weights[3])
 {
-    bool triangles = grid->surface->rules->arity == 3;
-    int32_t cells = (int32_t)grid->cells;
-    double s = fmax(place->s, 0) * cells, t = fmax(place->t, 0) * cells;
-    int32_t i = grid_cell_of(s, cells - 1), j = grid_cell_of(t, cells - 1 - (triangles ? i : 0));
-    double x = fmin(s - i, 1), y = fmin(t - j, 1);
-    bool even = !triangles && is_cut_from_a(grid, place->face, i, j);
-    bool low = even ? x >= y : x + y <= 1 || (triangles && i + j + 1 == cells);
-    const int32_t a[2] = {i, j}, b[2] = {i + 1, j}, c[2] = {i + 1, j + 1}, d[2] = {i, j + 1};
-    const int32_t *of[2][2][3] = {{{b, c, d}, {a, b, d}}, {{a, c, d}, {a, b, c}}};
-    const double weight[2][2][3] = {{{1 - y, x + y - 1, 1 - x}, {1 - x - y, x, y}},
-                                    {{1 - y, x, y - x}, {1 - x, x - y, y}}};
+    uint32_t arity = grid->surface->rules->arity;
+    struct gd__grid_cell cell = gd__grid_cell_of(arity, grid->cells, place->s, place->t);
+    int32_t i = (int32_t)cell.i, j = (int32_t)cell.j;
+    bool from_a = arity == 4 && is_cut_from_a(grid, place->face, i, j);
+    const uint8_t *half = gd__half_corners[gd__grid_cell_split(&cell, from_a, weights)];
     for (int k = 0; k < 3; k++) {
-        memcpy(corners[k], of[even][low][k], sizeof corners[k]);
-        weights[k] = fmax(weight[even][low][k], 0);
+        corners[k][0] = i + gd__cell_corners[half[k]][0];
+        corners[k][1] = j + gd__cell_corners[half[k]][1];
     }
 }

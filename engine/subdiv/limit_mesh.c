@@ -6,6 +6,7 @@
 
 #include "base/share.h"
 #include "gd/discretization.h"
+#include "subdiv/domain.h"
 #include "subdiv/surface.h"
 
 enum { USUAL_TRIANGLES = 1 << 17, BYTES_PER_VERTEX = 120 };
@@ -138,13 +139,6 @@ uint32_t gd_limit_mesh_level(const struct gd_limit_mesh *fine)
 
 /* --- cells and their triangles ---------------------------------------------------------------- */
 
-/* Halves of a cell, named by their corners. The cell's corners are a (0,0), b (1,0), c (1,1), d
- * (0,1). */
-enum half_cell { HALF_ABC, HALF_ACD, HALF_ABD, HALF_BCD };
-
-static const uint8_t corners_of[4][3] = {
-    [HALF_ABC] = {0, 1, 2}, [HALF_ACD] = {0, 2, 3}, [HALF_ABD] = {0, 1, 3}, [HALF_BCD] = {1, 2, 3}};
-
 /* Returns the number of a cell's first triangle, counted within its face. */
 static uint32_t first_of_cell(const struct gd_limit_mesh *fine, uint32_t i, uint32_t j)
 {
@@ -170,32 +164,6 @@ static uint32_t face_base(const struct gd_limit_mesh *fine, uint32_t face)
 
 /* --- from places to points -------------------------------------------------------------------- */
 
-/* Returns the half of a cell that contains (x,y) in [0,1]^2, and computes the barycentric
- * coordinates in that half. */
-static enum half_cell split_cell(bool from_a, double x, double y, double weight[3])
-{
-    if (from_a && x >= y) {
-        weight[0] = 1 - x, weight[1] = x - y, weight[2] = y;
-        return HALF_ABC;
-    }
-    if (from_a) {
-        weight[0] = 1 - y, weight[1] = x, weight[2] = y - x;
-        return HALF_ACD;
-    }
-    if (x + y <= 1) {
-        weight[0] = 1 - x - y, weight[1] = x, weight[2] = y;
-        return HALF_ABD;
-    }
-    weight[0] = 1 - y, weight[1] = x + y - 1, weight[2] = 1 - x;
-    return HALF_BCD;
-}
-
-static uint32_t limit_mesh_cell_of(double at, uint32_t most)
-{
-    uint32_t cell = (uint32_t)at;
-    return cell < most ? cell : most;
-}
-
 enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine,
                                    const struct gd_limit_point *place, struct gd_point *out,
                                    struct gd_detail *detail)
@@ -204,16 +172,12 @@ enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine,
     enum gd_status status = gd__place_check(fine->surface, &inside, detail);
     if (status) return status;
     struct gd__face_place local = gd__face_place_of(fine->surface, &inside);
-    bool triangles = fine->surface->rules->arity == 3;
-    double x = fmax(local.s, 0) * fine->cells, y = fmax(local.t, 0) * fine->cells, weight[3];
-    uint32_t i = limit_mesh_cell_of(x, fine->cells - 1),
-             j = limit_mesh_cell_of(y, fine->cells - 1 - (triangles ? i : 0));
-    uint32_t first = face_base(fine, local.face) + first_of_cell(fine, i, j);
-    /* rounding can move a place beyond the diagonal */
-    bool is_half = triangles && i + j + 1 == fine->cells;
-    double right = fmin(x - i, 1), up = fmin(y - j, is_half ? 1 - right : 1);
-    enum half_cell half = split_cell(is_cut_from_a(fine, first), right, up, weight);
-    bool second = half == HALF_ACD || half == HALF_BCD;
+    struct gd__grid_cell cell =
+        gd__grid_cell_of(fine->surface->rules->arity, fine->cells, local.s, local.t);
+    uint32_t first = face_base(fine, local.face) + first_of_cell(fine, cell.i, cell.j);
+    double weight[3];
+    enum gd__half half = gd__grid_cell_split(&cell, is_cut_from_a(fine, first), weight);
+    bool second = half == GD__HALF_ACD || half == GD__HALF_BCD;
     return gd_point_in_face(fine->mesh, (struct gd_face){first + second}, weight, out, detail);
 }
 
@@ -237,7 +201,6 @@ static uint32_t limit_mesh_row_of(uint32_t cells, uint32_t n)
 struct gd_limit_point gd_limit_mesh_place(const struct gd_limit_mesh *fine,
                                           const struct gd_point *point)
 {
-    static const uint8_t at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     struct gd_point_description known;
     gd_point_describe(fine->mesh, point, &known);
     bool triangles = fine->surface->rules->arity == 3;
@@ -246,11 +209,11 @@ struct gd_limit_point gd_limit_mesh_place(const struct gd_limit_mesh *fine,
     uint32_t i = triangles ? limit_mesh_row_of(fine->cells, n) : n / (2 * fine->cells);
     uint32_t rest = n - first_of_cell(fine, i, 0), j = rest / 2;
     bool from_a = is_cut_from_a(fine, known.face.index - rest % 2), second = rest % 2;
-    const uint8_t *corners = corners_of[from_a ? HALF_ABC + second : HALF_ABD + second];
+    const uint8_t *corners = gd__half_corners[(from_a ? GD__HALF_ABC : GD__HALF_ABD) + second];
     double x = i, y = j;
     for (int k = 0; k < 3; k++) {
-        x += known.barycentric[k] * at[corners[k]][0];
-        y += known.barycentric[k] * at[corners[k]][1];
+        x += known.barycentric[k] * gd__cell_corners[corners[k]][0];
+        y += known.barycentric[k] * gd__cell_corners[corners[k]][1];
     }
     return gd__place_of(fine->surface,
                         &(struct gd__face_place){face, x / fine->cells, y / fine->cells});
