@@ -7,6 +7,7 @@
 #include "base/large.h"
 #include "base/tolerance.h"
 #include "base/prefetch.h"
+#include "mesh/closest_point.h"
 
 /* Weights by which A* multiplies lower bounds of the remaining distance. GREED: weight of the
  * straight line in space, if there are no landmarks. LINE_GREED and LANDMARKS_GREED: weights of the
@@ -323,11 +324,6 @@ static enum gd_status open_nodes(struct gd__guide *guide, const struct gd_mesh *
     return GD_OK;
 }
 
-static double largest_coordinate(struct gd_vec3 v)
-{
-    return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
-}
-
 enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh,
                              const struct gd_point *from, const struct gd_point *to,
                              const struct gd_control *control, double *upper)
@@ -339,8 +335,8 @@ enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh
     enum gd_status status = open_nodes(guide, mesh);
     if (status) return status;
     guide->target = gd__anchor(mesh, to);
-    guide->margin = GD_TOL_BOUND * fmax(largest_coordinate(guide->target.position),
-                                        largest_coordinate(start.position));
+    guide->margin = GD_TOL_BOUND * fmax(gd__largest_coordinate(guide->target.position),
+                                        gd__largest_coordinate(start.position));
     read_landmarks(guide, &guide->target, &guide->from_target);
     read_landmarks(guide, &start, &guide->from_start);
     status = search_upper_bound(guide, &start, upper);

@@ -1,12 +1,5 @@
 #include "line/portal.h"
 
-bool gd__portal_contains(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *point)
-{
-    if (point->kind == GD_POINT_EDGE) return point->element == side >> 1;
-    return point->kind == GD_POINT_VERTEX &&
-           (mesh->origin[side] == point->element || mesh->origin[side ^ 1] == point->element);
-}
-
 /* Converts the vector `by` to the coordinates of the plane. `by` is given in a frame whose x axis
  * is the unit vector `along`. */
 static struct gd__local turned(struct gd__local along, struct gd__local by)

@@ -23,6 +23,3 @@ bool gd__portal_next(const struct gd_mesh *mesh, const struct gd__portal *last,
 /* Returns the position, in the plane, of a point of the face behind a portal. */
 struct gd__local gd__portal_place(const struct gd_mesh *mesh, const struct gd__portal *portal,
                                   const struct gd_point *point);
-
-/* Returns true if a point (a vertex, or a point of an edge) lies on a side. */
-bool gd__portal_contains(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *point);

@@ -117,10 +117,10 @@ static void strip_trim(const struct gd_mesh *mesh, struct gd__strip *strip)
 {
     uint32_t skip = 0;
     while (strip->count &&
-           gd__portal_contains(mesh, strip->portals[strip->count - 1].side, &strip->to))
+           gd__point_is_on_edge(mesh, &strip->to, strip->portals[strip->count - 1].side >> 1))
         strip->count--;
     while (skip < strip->count &&
-           gd__portal_contains(mesh, strip->portals[skip].side, &strip->from))
+           gd__point_is_on_edge(mesh, &strip->from, strip->portals[skip].side >> 1))
         skip++;
     if (!skip) return;
     strip->face = mesh->side_face[strip->portals[skip - 1].side];

@@ -11,7 +11,7 @@
 #pragma once
 
 #include "gd/direction.h"
-#include "mesh/topology.h"
+#include "mesh/polar.h"
 
 /* Returns the total angle around a point: 2 pi, or at a vertex the sum of the angles of its
  * faces. */
@@ -42,12 +42,6 @@ struct gd_direction gd__turn_direction(const struct gd_mesh *mesh, const struct 
  * those that lead into the face. */
 double gd__turn_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t side,
                         double x, double y);
-
-/* Adds a multiple of 2 pi to the angle, such that the result is nearest to [0, extent]. */
-static inline double gd__turn_nearest(double angle, double extent)
-{
-    return remainder(angle - 0.5 * extent, 2 * M_PI) + 0.5 * extent;
-}
 
 /* A ray in the face into which a turn leads. `side` is a side of this face. The ray begins at (x,
  * y) in the frame of `side`. If the ray begins at a vertex, the side begins at this vertex. If the

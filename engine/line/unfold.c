@@ -11,12 +11,9 @@ static void measure_in_face(const struct gd_mesh *mesh, uint32_t face, const str
     double from[3], to[3];
     gd__point_weights(mesh, a, face, from);
     gd__point_weights(mesh, b, face, to);
-    int k = from[1] > from[0] ? 1 : 0;
-    if (from[2] > from[k]) k = 2;
+    int k = gd__main_corner(from);
     uint32_t side = mesh->face_side[face][k];
-    int next = (k + 1) % 3, last = (k + 2) % 3;
-    struct gd__local d =
-        gd__side_local(&mesh->side[side], to[next] - from[next], to[last] - from[last]);
+    struct gd__local d = gd__leg_key_in_face(mesh, face, k, from, to);
     out->length = hypot(d.x, d.y);
     /* for equal points any direction is valid, but it must be the same for both turns */
     if (out->length == 0) d.x = 1;
@@ -38,8 +35,8 @@ enum gd_status gd__unfold(const struct gd_mesh *mesh, const struct gd_point *poi
     const struct gd_point *a = &points[0], *b = &points[count - 1];
     /* points [begin, end) are on crossed edges that contain neither end of the line */
     uint32_t begin = 1, end = count - 1;
-    while (begin < end && gd__portal_contains(mesh, 2 * points[begin].element, a)) begin++;
-    while (begin < end && gd__portal_contains(mesh, 2 * points[end - 1].element, b)) end--;
+    while (begin < end && gd__point_is_on_edge(mesh, a, points[begin].element)) begin++;
+    while (begin < end && gd__point_is_on_edge(mesh, b, points[end - 1].element)) end--;
     uint32_t face = gd__common_face(mesh, a, begin < end ? &points[begin] : b);
     if (face == GD_NONE) return GD_INTERNAL;
     if (begin == end) {

@@ -23,30 +23,11 @@ static void anchor_face(const struct gd_mesh *mesh, const struct gd_point *point
     }
 }
 
-static struct gd_vec3 anchor_position_of(const struct gd_mesh *mesh, const struct gd_point *point)
-{
-    struct gd_vec3 sum = {0};
-    switch (point->kind) {
-    case GD_POINT_VERTEX:
-        return mesh->position[point->element];
-    case GD_POINT_EDGE:
-        sum = gd_vec3_along(sum, 1 - point->weight[0],
-                            mesh->position[mesh->origin[2 * point->element]]);
-        return gd_vec3_along(sum, point->weight[0],
-                             mesh->position[mesh->origin[2 * point->element + 1]]);
-    case GD_POINT_FACE:
-        for (int k = 0; k < 3; k++)
-            sum = gd_vec3_along(sum, point->weight[k],
-                                mesh->position[mesh->origin[mesh->face_side[point->element][k]]]);
-        break;
-    }
-    return sum;
-}
-
 struct gd__anchor gd__anchor(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     struct gd__anchor anchor = {.corner = {GD_NONE, GD_NONE, GD_NONE, GD_NONE},
-                                .position = anchor_position_of(mesh, point)};
+                                .position =
+                                    gd_vec3_scale(gd_point_position(mesh, point), 1 / mesh->unit)};
     switch (point->kind) {
     case GD_POINT_VERTEX:
         anchor.corner[0] = point->element;

@@ -2,6 +2,7 @@
 
 #include "base/tolerance.h"
 #include "mesh/axes.h"
+#include "mesh/polar.h"
 
 /* Directions at a point. The surface around the point consists of sectors in counter-clockwise
  * order. A point in a face has one sector of 2 pi. A point on an edge has two sectors of pi. At a
@@ -149,13 +150,6 @@ struct heading {
 
 static const struct heading nowhere = {.outside = INFINITY};
 
-/* Returns the angle plus the multiple of 2 pi that brings it nearest to the sector's range [0,
- * extent]. */
-static double nearest_turn(double angle, double extent)
-{
-    return remainder(angle - 0.5 * extent, 2 * M_PI) + 0.5 * extent;
-}
-
 static struct heading heading_in(const struct sector *sector, double angle)
 {
     double within = fmin(fmax(angle, 0), sector->extent);
@@ -196,7 +190,7 @@ static struct heading heading_at(const struct ring *ring, double turned)
     for (uint32_t i = ring->first; i < ring->end && best.outside > 0; i++) {
         struct sector sector = sector_at(ring, i);
         double angle = turned - sector.begin;
-        if (ring->point->kind != GD_POINT_VERTEX) angle = nearest_turn(angle, sector.extent);
+        if (ring->point->kind != GD_POINT_VERTEX) angle = gd__turn_nearest(angle, sector.extent);
         struct heading heading = heading_in(&sector, angle);
         if (heading.outside < best.outside) best = heading;
     }
@@ -251,7 +245,7 @@ static struct heading mesh_direction_project(const struct sector *sector, struct
     if (slope > 0) w = gd_vec3_along(v, -gd_vec3_dot(v, up) / slope, normal);
     double x = gd_vec3_dot(w, sector->along), y = gd_vec3_dot(w, sector->across);
     if (!(hypot(x, y) > GD_TOL_INPUT)) return nowhere;
-    struct heading heading = heading_in(sector, nearest_turn(atan2(y, x), sector->extent));
+    struct heading heading = heading_in(sector, gd__turn_nearest(atan2(y, x), sector->extent));
     struct gd_vec3 apart = gd_vec3_sub(vector_of(&heading), v);
     heading.deviation = gd_vec3_dot(apart, apart);
     return heading;

@@ -51,3 +51,9 @@ static inline double gd__fan_end(const struct gd_mesh *mesh, uint32_t vertex, ui
     return entry + 1 < mesh->fan_first[vertex + 1] ? mesh->fan[entry + 1].angle
                                                    : mesh->total_angle[vertex];
 }
+
+/* Adds a multiple of 2 pi to the angle, such that the result is nearest to [0, extent]. */
+static inline double gd__turn_nearest(double angle, double extent)
+{
+    return remainder(angle - 0.5 * extent, 2 * M_PI) + 0.5 * extent;
+}
