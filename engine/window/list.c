@@ -288,59 +288,6 @@ enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool,
 _Static_assert(MOST_PARTS <= 2 * GD__WINDOWS_GROUP,
                "the smallest block of a list has room for them");
 
-/* Pieces of windows in sorted order while they are written to the list. */
-struct parts {
-    struct gd__windows at;
-    uint32_t count;
-    const struct gd__window *last;
-    double min_width;
-};
-
-static void parts_put(struct parts *parts, const struct gd__window *w, double from, double to)
-{
-    if (parts->last == w && parts->at.b1[parts->count - 1] == from) {
-        parts->at.b1[parts->count - 1] = to;
-        return;
-    }
-    if (to - from <= parts->min_width) return;
-    uint32_t i = parts->count++;
-    gd__windows_put(&parts->at, i, w);
-    parts->at.b0[i] = from;
-    parts->at.b1[i] = to;
-    parts->last = w;
-}
-
-/* Contests the new window with a window of the list, and appends the pieces. The window of the list
- * wins ties. */
-static void parts_put_overlap(struct parts *parts, const struct gd__window *w,
-                              const struct gd__window *o, double lo, double hi)
-{
-    struct gd__contest_result result = {0};
-    if (hi - lo > parts->min_width) result = gd__contest(w, o, lo, hi);
-    bool is_new = result.challenger_first;
-    for (int i = 0; i <= result.switches; i++, is_new = !is_new) {
-        double to = i < result.switches ? result.at[i] : hi;
-        parts_put(parts, is_new ? w : o, lo, to);
-        lo = to;
-    }
-}
-
-/* Appends the remaining pieces of the list's windows and of the new window. */
-static void parts_put_all(struct parts *parts, const struct gd__window *windows, uint32_t count,
-                          const struct gd__window *w)
-{
-    double from = w->b0; /* start of the part of the new window that is not yet appended */
-    for (const struct gd__window *o = windows; o < windows + count; o++) {
-        double lo = o->b0 > w->b0 ? o->b0 : w->b0, hi = o->b1 < w->b1 ? o->b1 : w->b1;
-        if (from < lo) parts_put(parts, w, from, hi < lo ? hi : lo);
-        if (o->b0 < lo) parts_put(parts, o, o->b0, hi < lo ? hi : lo);
-        if (lo < hi) parts_put_overlap(parts, w, o, lo, hi);
-        if (hi < o->b1) parts_put(parts, o, hi > o->b0 ? hi : o->b0, o->b1);
-        if (from < hi) from = hi;
-    }
-    parts_put(parts, w, from, w->b1);
-}
-
 static bool has_source(const struct gd__windows *windows, uint32_t count, uint32_t source)
 {
     for (uint32_t i = 0; i < count; i++)
@@ -352,20 +299,22 @@ enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool,
                                 const struct gd__window *window, double min_width,
                                 struct gd__scratch *scratch)
 {
-    struct parts parts = {.at = gd__list_windows(list), .min_width = min_width};
-    if (list->count > FEW || has_source(&parts.at, list->count, window->source)) {
+    struct gd__windows windows = gd__list_windows(list);
+    if (list->count > FEW || has_source(&windows, list->count, window->source)) {
         struct gd__children one = {.count = 1};
         enum gd_status status = gd__children_open(&one, pool, 1);
         if (status) return status;
         gd__windows_put(&one.at, 0, window);
         return gd__list_add(list, pool, &one, min_width, scratch);
     }
-    struct gd__window there[FEW];
-    for (uint32_t i = 0; i < list->count; i++) there[i] = gd__windows_get(&parts.at, i);
-    parts_put_all(&parts, there, list->count, window);
+    struct gd__window there[FEW], parts[MOST_PARTS];
+    struct gd__stack merged = {.windows = parts};
+    for (uint32_t i = 0; i < list->count; i++) there[i] = gd__windows_get(&windows, i);
+    gd__merge(there, list->count, window, 1, min_width, &merged);
+    for (uint32_t i = 0; i < merged.count; i++) gd__windows_put(&windows, i, &parts[i]);
     /* if all pieces are too narrow, the list stays unchanged */
-    if (parts.count) list->count = parts.count;
-    if (parts.count + GD__WINDOWS_GROUP <= gd__list_capacity(list)) return GD_OK;
+    if (merged.count) list->count = merged.count;
+    if (list->count + GD__WINDOWS_GROUP <= gd__list_capacity(list)) return GD_OK;
     return gd__block_enlarge(&list->block, &list->size_class, pool, list->count + GD__WINDOWS_GROUP,
                              list->count);
 }

@@ -42,8 +42,8 @@ static inline uint32_t gd__merged_bound(uint32_t a, uint32_t b)
 }
 
 /* Merges the sorted windows `newer` and `existing`; `existing` wins ties. Appends the result to
- * `out`, which must have room for gd__merged_bound windows. Drops pieces of at most `min_width`.
- * O(a + b). */
+ * `out`, which must have room for all pieces; gd__merged_bound windows are enough. Drops pieces of
+ * at most `min_width`. O(a + b). */
 void gd__merge(const struct gd__window *existing, uint32_t existing_count,
                const struct gd__window *newer, uint32_t newer_count, double min_width,
                struct gd__stack *out);
