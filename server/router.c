@@ -50,7 +50,7 @@ static bool request_admit(struct server_exchange *exchange, struct proto_problem
 {
     const struct server_config *config = exchange->host->api->config;
     const struct server_guard_request request = {
-        .host = server_exchange_header(exchange, "Host"),
+        .host = server_exchange_host(exchange),
         .origin = server_exchange_header(exchange, "Origin"),
         .fetch_site = server_exchange_header(exchange, "Sec-Fetch-Site"),
         .is_http10 = exchange->is_http10,

@@ -79,6 +79,25 @@ static const char *query_split(struct server_exchange *exchange, char *query)
     return NULL;
 }
 
+/* Returns the path and the query of a target in place. Of a target in absolute form (RFC 9112,
+ * 3.2.2), moves the authority to the beginning of the text and sets `*authority`; the scheme leaves
+ * room for the terminator, and for the slash of an empty path. */
+static char *target_split(char *target, const char **authority)
+{
+    size_t scheme = strncasecmp(target, "http://", 7) == 0    ? 7
+                    : strncasecmp(target, "https://", 8) == 0 ? 8
+                                                              : 0;
+    size_t size = strcspn(target + scheme, "/?");
+    *authority = NULL;
+    if (!scheme) return target;
+    char *path = target + scheme + size;
+    memmove(target, target + scheme, size);
+    target[size] = '\0';
+    *authority = target;
+    if (*path != '/') *--path = '/';
+    return path;
+}
+
 /* --- the end ---------------------------------------------------------------------------------- */
 
 void server_exchange_drop_state(struct server_exchange *exchange)
@@ -198,7 +217,7 @@ bool server_exchange_begin(struct server_exchange *exchange, struct server_host 
     exchange->target = malloc(exchange->target_size);
     if (!exchange->target) return false;
     memcpy(exchange->target, target, exchange->target_size);
-    char *path = exchange->target, *query = strchr(path, '?');
+    char *path = target_split(exchange->target, &exchange->authority), *query = strchr(path, '?');
     if (query) *query++ = '\0';
     exchange->path = path;
     exchange->fault = path_decode(path);
@@ -255,6 +274,7 @@ static void target_pass(struct server_exchange *from, struct server_exchange *to
     memcpy(to->parameter_list, from->parameter_list,
            from->parameters.count * sizeof *from->parameter_list);
     from->path = from->target = path;
+    from->authority = NULL; /* the router has checked it */
     from->parameters.count = from->match.capture_count = 0;
 }
 
@@ -317,6 +337,11 @@ void server_exchange_add_header(struct server_exchange *exchange, const char *na
 static inline bool name_equal(const char *a, const char *b)
 {
     return ((*a ^ *b) & ~('a' ^ 'A')) == 0 && strcasecmp(a, b) == 0;
+}
+
+const char *server_exchange_host(const struct server_exchange *exchange)
+{
+    return exchange->authority ? exchange->authority : server_exchange_header(exchange, "Host");
 }
 
 const char *server_exchange_header(const struct server_exchange *exchange, const char *name)

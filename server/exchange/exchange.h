@@ -172,7 +172,8 @@ struct server_exchange {
     bool has_conditions; /* true if there is a header If-Match, If-None-Match or another If-… */
     char *target;        /* storage of path and parameters, which are decoded in place */
     size_t target_size;
-    const char *path;                   /* never NULL */
+    const char *authority; /* of a target in absolute form ("http://HOST/v1"), else NULL */
+    const char *path;      /* never NULL */
     struct proto_parameters parameters; /* the decoded query string, in `parameter_list` */
     uint32_t header_count;
     char *copies;      /* copies of method and headers; NULL means the transport owns them */
@@ -271,6 +272,10 @@ const char *server_exchange_sent_name(const struct server_exchange *exchange,
                                       const char *parameter);
 
 /* --- for handlers ----------------------------------------------------------------------------- */
+
+/* Returns the host and port that the client asks for: the authority of an absolute target, or else
+ * the Host header, or NULL (RFC 9112, 3.2.2). */
+const char *server_exchange_host(const struct server_exchange *exchange);
 
 /* Returns the value of the first header of that name, ignoring case, or NULL if there is none. */
 const char *server_exchange_header(const struct server_exchange *exchange, const char *name);

@@ -6,6 +6,7 @@ import ctypes
 import gzip
 import hashlib
 import io
+import itertools
 import json
 import re
 import socket
@@ -159,6 +160,14 @@ LENIENT = {
     (b"411",): [PUT + b"Transfer-Encoding:" + end + b" chunked\r\n\r\n" + chunks(b"hello") for end in (b"\r\n", b"\n")],
     (b"200",): [GET + b"Transfer-Encoding:" + end + b" chunked\r\n\r\n" + chunks(b"hello") for end in (b"\r\n", b"\n")],
 }
+# Targets in absolute form (RFC 9112, 3.2.2), by the status of the answer. The daemon ignores the
+# Host of such a request. Those of 404 are in another form, or their path is.
+ABSOLUTE = {
+    b"200": [b"http://localhost/livez", b"HTTP://127.0.0.1:80/livez?", b"https://[::1]/livez", b"http://localhost", b"http://localhost?a=b"],
+    b"400": [b"http://localhost/%2f", b"http://localhost/%"],
+    b"403": [b"http://example.com/livez", b"http:///livez", b"http://", b"http://localhost@example.com/livez", b"http://localhost:80:80/livez"],
+    b"404": [b"http://localhost//livez", b"ftp://localhost/livez", b"http:/livez", b"/http://localhost/livez", b"http://localhost/http://localhost/livez"],
+}
 REFUSALS = {b"400", b"413", b"505"}
 
 
@@ -296,6 +305,14 @@ class Smuggling(TestCase):
         extended = b"30;ext=\"a b\"\r\n%b\r\n0\r\nTrailer: x\r\n\r\n"
         self.assertEqual(self.answers(self.daemon.raw(head + extended % SQUARE)), [b"400" if LIBRARY_REFUSES else b"200"])
         self.assertEqual(self.daemon.request("DELETE", "/v1/meshes/right").status, 204)
+
+    def test_absolute_targets(self):
+        for status, targets in ABSOLUTE.items():
+            hosts = (b"localhost",) if status == b"404" else (b"localhost", b"example.com")
+            for target, host in itertools.product(targets, hosts):
+                text = lines(b"GET " + target + b" HTTP/1.1", b"Host: " + host, b"Connection: close")
+                self.assertEqual(self.answers(self.daemon.raw(text)), [status], text)
+        self.assertEqual(set(self.answers(self.daemon.raw(lines(b"GET http://localhost/livez HTTP/1.1", b"Connection: close")))), {b"400"})
 
     def test_malformed_requests_are_counted(self):
         before = self.daemon.metric("malformed_requests_total")

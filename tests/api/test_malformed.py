@@ -173,7 +173,7 @@ RAW = [
     ("an upload of no length", PUT + b"\r\n", 411),
     ("no Host", GET + b"\r\n", 400),
     ("two Hosts", GET + b"Host: localhost\r\nHost: localhost\r\n\r\n", 400),
-    ("an absolute target elsewhere", b"GET http://example.com/v1 HTTP/1.1\r\nHost: localhost\r\n\r\n", 404),
+    ("an absolute target elsewhere", b"GET http://example.com/v1 HTTP/1.1\r\nHost: localhost\r\n\r\n", 403),
     ("65 headers", GET + b"Host: localhost\r\n" + b"".join(b"X-%d: y\r\n" % i for i in range(64)) + b"\r\n", 400),
     ("a request line without a version", b"GET\r\n\r\n", (400, 0)),
     ("a header line without a colon", GET + b"Host: localhost\r\nrubbish\r\n\r\n", 400),

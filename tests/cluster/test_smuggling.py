@@ -16,7 +16,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "api"))
 from cluster import Relay  # noqa: E402
 from front import Front  # noqa: E402
 from harness import PATIENCE_SECONDS, Daemon, wait_until  # noqa: E402
-from test_hostile import ATTACKS, GET, HIDDEN, LENIENT, PUT  # noqa: E402
+from test_hostile import ABSOLUTE, ATTACKS, GET, HIDDEN, LENIENT, PUT, lines  # noqa: E402
 
 GOOD = b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n"
 # Changes of HAProxy's configuration that log each request: its line, its server, and the id in the
@@ -26,8 +26,10 @@ OBSERVED = (("option httplog", 'log-format "request %HM %HU %s %ST %[var(txn.id)
 
 
 def path_of(uri):
-    """Returns the path of a URI in the proxy's log, which writes unprintable bytes as #XX."""
+    """Returns the path of a URI in the proxy's log, which writes unprintable bytes as #XX. The URI
+    may be absolute."""
     plain = re.sub("#([0-9A-F]{2})", lambda found: chr(int(found[1], 16)), uri)
+    plain = re.sub("(?i)^https?://[^/?]*/?", "/", plain)
     return urllib.parse.unquote(plain.partition("?")[0])
 
 
@@ -102,6 +104,8 @@ class Smuggling(unittest.TestCase):
     def test_both_see_the_same_requests(self):
         observed = self.start()
         attacks = [text for table in (ATTACKS, LENIENT) for texts in table.values() for text in texts]
+        attacks += [lines(b"GET " + target + b" HTTP/1.1", host)
+                    for status in (b"200", b"403", b"404") for target in ABSOLUTE[status] for host in (b"Host: localhost", b"Host: example.com")]
         cases = [before + text + HIDDEN for text in attacks for before in (b"", GOOD)]
         self.assertGreaterEqual(len(set(cases)), 250)
         for number, text in enumerate(cases):
