@@ -65,6 +65,7 @@ static void server_destroy(struct server *server)
     server_events_destroy(server->host.events);
     server_surfaces_destroy(server);
     server_workers_destroy(server->host.workers);
+    server_workers_destroy(server->host.waiters);
     server_thread_stop(server->host.spare);
     server_workspaces_destroy(server->host.workspaces);
     gd_spare_memory(0);
@@ -105,7 +106,11 @@ static void server_tick(struct server *server, uint64_t now_ns)
     server_workers_expire(server->host.workers, now_ns);
     server_workers_expire(server->api.writer, now_ns);
     server_workers_expire(server->api.lister, now_ns);
-    if (server_workers_cancelled(server->host.workers)) server_workers_cancel(server->api.writer);
+    server_workers_expire(server->host.waiters, now_ns);
+    if (server_workers_cancelled(server->host.workers)) {
+        server_workers_cancel(server->api.writer);
+        server_workers_cancel(server->host.waiters);
+    }
     server_job_table_expire(server->api.jobs, now_ns);
     server_events_tick(server->host.events, now_ns);
 }
@@ -154,7 +159,9 @@ bool server_start_jobs(struct server *server)
         .are_tenanted = server->api.access != NULL,
     };
     server->api.jobs = server_job_table_create(&server->host, &limits);
-    if (server->api.jobs) server->deadlines = server_thread_start(deadlines_run, server);
+    server->host.waiters = server_workers_create(1, UINT32_MAX);
+    if (server->api.jobs && server->host.waiters)
+        server->deadlines = server_thread_start(deadlines_run, server);
     server->trimmer = server_thread_start(heap_trim_run, NULL);
     server->host.spare = server_thread_start(spare_run, NULL);
     return server->deadlines && server->trimmer && server->host.spare;

@@ -140,6 +140,9 @@ struct server_transport {
 struct server_host {
     struct server_budget *budget;
     struct server_workers *workers;
+    /* one thread for requests that have waited for jobs and batches, so that the end of their wait
+       does not depend on the workers */
+    struct server_workers *waiters;
     struct server_workspaces *workspaces;
     struct server_events *events;
     struct server_answer_streams *streams;

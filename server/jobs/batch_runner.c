@@ -229,9 +229,7 @@ static void runner_note(struct server_batch_runner *runner, const char *id)
     runner->due |= id ? 1U << place_of(id) : UINT_MAX;
 }
 
-/* Wakes the jobs whose batch has changed, or all jobs if other daemons share the queue. This
- * function is called after new items were started: the woken jobs enter the workers' queue, and no
- * item starts while jobs of requests are queued. */
+/* Wakes the jobs whose batch has changed, or all jobs if other daemons share the queue. */
 static void runner_wake_jobs(struct server_batch_runner *runner)
 {
     uint64_t now_ns = gd_now_ns();
@@ -244,7 +242,7 @@ static void runner_wake_jobs(struct server_batch_runner *runner)
         due = UINT_MAX;
     }
     for (unsigned i = 0; i < PLACES; i++)
-        if (due >> i & 1) server_workers_unpark(runner->host->workers, &runner->places[i]);
+        if (due >> i & 1) server_workers_unpark(runner->host->waiters, &runner->places[i]);
 }
 
 uint64_t server_batch_runner_news(struct server_batch_runner *runner)
@@ -258,7 +256,7 @@ bool server_batch_runner_wait(struct server_batch_runner *runner, struct server_
 {
     SERVER_LOCK(&runner->lock);
     return wait->news == runner->news && !atomic_load(&runner->is_draining) &&
-           server_workers_park(runner->host->workers, job, &runner->places[place_of(wait->id)],
+           server_workers_park(runner->host->waiters, job, &runner->places[place_of(wait->id)],
                                wait->until_ns);
 }
 

@@ -145,7 +145,7 @@ static void job_notify(struct server_deferred_job *job)
 static void job_notify_end(struct server_deferred_job *job)
 {
     job_notify(job);
-    server_workers_unpark(job->table->host->workers, job);
+    server_workers_unpark(job->table->host->waiters, job);
 }
 
 bool server_deferred_job_wait(struct server_deferred_job *job, struct server_job *waiting,
@@ -154,7 +154,7 @@ bool server_deferred_job_wait(struct server_deferred_job *job, struct server_job
     struct server_job_table *table = job->table;
     SERVER_LOCK(&table->lock);
     return !proto_job_has_ended(job->state) && !table->is_draining &&
-           server_workers_park(table->host->workers, waiting, job, until_ns);
+           server_workers_park(table->host->waiters, waiting, job, until_ns);
 }
 
 /* --- the table, under the lock ---------------------------------------------------------------- */
@@ -547,7 +547,7 @@ void server_job_table_drain(struct server_job_table *table)
     for (uint32_t i = 0; i < table->list.count; i++) {
         const struct server_deferred_job *job = table->list.items[i];
         if (job->state == PROTO_JOB_QUEUED) atomic_store(&job->exchange->job.is_unwanted, true);
-        server_workers_unpark(table->host->workers, job);
+        server_workers_unpark(table->host->waiters, job);
     }
 }
 

@@ -147,6 +147,12 @@ static struct server_batch_wait wait_begin(const struct server_exchange *exchang
                                       .until_ns = server_request_wait_end(exchange, wait_s)};
 }
 
+static bool waiter_submit(struct server_exchange *exchange)
+{
+    (void)server_workers_submit(exchange->host->waiters, &exchange->job); /* never full */
+    return true;
+}
+
 /* Parks the exchange until the queue may have changed. Returns false if the exchange must be
  * answered now. */
 static bool wait_for_news(struct server_exchange *exchange, struct server_batch_wait *wait,
@@ -201,7 +207,8 @@ static bool describe_batch(struct server_exchange *exchange)
 
 void server_handle_get_batch(struct server_exchange *exchange)
 {
-    if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, describe_batch, NULL);
+    if (server_reply_accepts_json(exchange))
+        server_exchange_defer(exchange, describe_batch, waiter_submit);
 }
 
 /* Cancels a running batch, or removes an ended one. */
@@ -312,5 +319,6 @@ static bool list_answers(struct server_exchange *exchange)
 
 void server_handle_get_batch_results(struct server_exchange *exchange)
 {
-    if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, list_answers, NULL);
+    if (server_reply_accepts_json(exchange))
+        server_exchange_defer(exchange, list_answers, waiter_submit);
 }

@@ -70,6 +70,7 @@ static int tear_down(void **state)
     server_events_destroy(server.host.events);
     server_surfaces_destroy(&server);
     server_workers_destroy(server.host.workers);
+    server_workers_destroy(server.host.waiters);
     assert_int_equal(server.budget.total, 0);
     return 0;
 }
@@ -360,6 +361,30 @@ static void a_waiting_job_is_cancelled_without_a_worker(void **state)
     server_deferred_job_release(second);
 }
 
+static atomic_int waits_over;
+
+static void note_end_of_wait(struct server_job *waiting)
+{
+    (void)waiting;
+    waits_over++;
+}
+
+static void a_wait_ends_in_time_while_all_workers_are_busy(void **state)
+{
+    (void)state;
+    struct server_job waiting = {.run = note_end_of_wait, .deadline_ns = UINT64_MAX};
+    struct server_deferred_job *job = start(wait_in_a_worker);
+    sem_wait(&begun);
+    waits_over = 0;
+    assert_true(server_deferred_job_wait(job, &waiting, gd_now_ns()));
+    for (int i = 0; i < 5000 && !waits_over; i++) usleep(1000);
+    assert_int_equal(waits_over, 1);
+    assert_int_equal(state_of(job), PROTO_JOB_RUNNING);
+    sem_post(&hold);
+    wait_for(job, PROTO_JOB_DONE);
+    server_deferred_job_release(job);
+}
+
 static void a_running_job_is_stopped_and_its_answer_dropped(void **state)
 {
     (void)state;
@@ -591,6 +616,7 @@ int main(void)
         TEST(progress_never_falls),
         TEST(a_call_ends_at_its_limit_of_processor_time),
         TEST(a_waiting_job_is_cancelled_without_a_worker),
+        TEST(a_wait_ends_in_time_while_all_workers_are_busy),
         TEST(a_running_job_is_stopped_and_its_answer_dropped),
         TEST(ended_jobs_are_dropped_in_time),
         cmocka_unit_test_setup_teardown(an_expired_job_is_not_found, set_up_short_lived, tear_down),
