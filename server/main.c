@@ -9,12 +9,15 @@
 
 #include "gd/cpu.h"
 #include "server/access/sandbox.h"
+#include "server/base/thread.h"
 #include "server/base/version.h"
 #include "server/server.h"
 #include "server/store/local/local.h"
 #include "server/store/store.h"
 
 #define EXIT_USAGE 2
+/* the longest time from the end of --drain-ms to the end of the process */
+#define END_MS 30000
 
 /* Blocks, before any thread starts, the signals that main waits for. */
 static void block_signals(sigset_t *awaited)
@@ -35,6 +38,24 @@ static void open_standard_descriptors(void)
     int descriptor;
     while ((descriptor = open("/dev/null", O_RDWR)) >= 0 && descriptor <= STDERR_FILENO) continue;
     if (descriptor >= 0) close(descriptor);
+}
+
+/* Limits the time of a stop: a worker that never returns, for example from a system call on a dead
+ * disk, must not keep the process. Everything that was answered is stored already. */
+static void stop_limit(void *user, struct server_thread *thread)
+{
+    const struct server_config *config = user;
+    uint64_t most_ms = config->drain_delay_ms + config->drain_ms + END_MS;
+    if (!server_thread_pause(thread, SERVER_THREAD_FOREVER) || /* until the stop begins */
+        !server_thread_sleep(thread, most_ms * 1000000))
+        return;
+    server_log_message(
+        SERVER_LOG_ERROR, "stop_failed",
+        "the daemon has not stopped %d s after --drain-ms, because a thread does not "
+        "return, and ends now; every answered change is stored",
+        END_MS / 1000);
+    server_log_stop();
+    _exit(EXIT_FAILURE);
 }
 
 static void wait_for_end(struct server *server, const sigset_t *awaited)
@@ -105,13 +126,14 @@ static struct server_sandbox enter_sandbox(const struct server_config *config)
 }
 
 /* Starts the daemon. Binds the port before the sandbox forbids that. */
-static struct server *daemon_start(struct server_config *config, char error[SERVER_ERROR])
+static struct server *daemon_start(struct server_config *config, struct server_thread **limit,
+                                   char error[SERVER_ERROR])
 {
     int listening = server_address_bind(&config->listen, error);
     if (listening < 0) return NULL;
     struct server_sandbox sandbox = enter_sandbox(config);
-    if (!server_log_start()) {
-        snprintf(error, SERVER_ERROR, "can't start the log's thread: raise the limit of threads");
+    if (!server_log_start() || !(*limit = server_thread_start(stop_limit, config))) {
+        snprintf(error, SERVER_ERROR, "can't start a thread: raise the limit of threads");
         return NULL;
     }
     server_log_flush_at_crash();
@@ -137,7 +159,8 @@ int main(int argc, char *argv[])
     bool is_done;
     if (run_store_command(&config, &is_done)) return is_done ? EXIT_SUCCESS : EXIT_FAILURE;
     block_signals(&awaited);
-    struct server *server = daemon_start(&config, error);
+    struct server_thread *limit;
+    struct server *server = daemon_start(&config, &limit, error);
     if (!server) {
         server_log_message(SERVER_LOG_ERROR, "start_failed", "%s", error);
         server_log_stop();
@@ -145,7 +168,9 @@ int main(int argc, char *argv[])
     }
     log_start(&server->config);
     wait_for_end(server, &awaited);
+    server_thread_wake(limit);
     server_stop(server);
+    server_thread_stop(limit);
     server_log_stop();
     return EXIT_SUCCESS;
 }

@@ -52,7 +52,8 @@ void server_surfaces_destroy(struct server *server);
  * time may call this function. */
 void server_reload(struct server *server);
 
-/* Drains, stops and frees the server. Takes at most drain_delay_ms, drain_ms and a few seconds. */
+/* Drains, stops and frees the server. Takes at most drain_delay_ms, drain_ms and a few
+ * seconds, unless a thread does not return; main.c limits that. */
 void server_stop(struct server *server);
 
 /* --- steps of a request, called by HTTP (router.c) -------------------------------------------- */

@@ -38,7 +38,7 @@ FUZZERS      := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZ_SECONDS ?= 60
 # Fault tests in their short form. `make torture` runs the long form.
 FAULT_TESTS   = tests/fault/soak.py "tests/fault/answers.py --short" tests/fault/replay.py "tests/fault/tenants.py --short" tests/fault/flip.py \
-                tests/fault/kill.py tests/fault/stuck_log.py "tests/fault/overload.py --short" tests/fault/disconnect.py "tests/fault/halfopen.py --short" \
+                tests/fault/kill.py tests/fault/stuck_log.py tests/fault/stuck_worker.py "tests/fault/overload.py --short" tests/fault/disconnect.py "tests/fault/halfopen.py --short" \
                 tests/fault/scarcity.py tests/fault/restore.py "tests/fault/deadline.py --short --count 300"
 
 # `make test` fuzzes each parser for 5 seconds, from a fixed seed. fuzz_surface, which checks
@@ -70,7 +70,7 @@ torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc $(BUILD)/tests/unit/server/acc
 	@tests/fault/table.py --only "$(ONLY)" $(BUILD)/gd_alloc tests/fault/alloc.py "tests/fault/scarcity.py --calls 400" \
 	    "tests/fault/kill.py --loops 2000" "tests/fault/replay.py --step 1 --mixed 4" tests/fault/disk.py \
 	    "tests/fault/flip.py --flips 2000" "tests/fault/restore.py --count 100" tests/fault/halfopen.py tests/fault/slow_reader.py "tests/fault/overload.py --seconds 20" tests/fault/answers.py "tests/fault/disconnect.py --count 80000 --tls-count 20000" \
-	    "tests/fault/deadline.py --count 8000" "tests/fault/stuck_log.py --requests 200000" tests/fault/tenants.py "tests/fault/soak.py --seconds 4200 --pause 5 --svg $(BUILD)/soak.svg" \
+	    "tests/fault/deadline.py --count 8000" "tests/fault/stuck_log.py --requests 200000" tests/fault/stuck_worker.py tests/fault/tenants.py "tests/fault/soak.py --seconds 4200 --pause 5 --svg $(BUILD)/soak.svg" \
 	    "hostile HTTP, directly and behind HAProxy | 0 accepted | tests/api/run.py test_hostile test_slow_clients test_proxy" \
 	    "hostile JSON | 400 or 413, fast | tests/api/run.py test_malformed" \
 	    "one tenant does not see another | byte-identical 404s | tests/api/run.py test_tenants test_access" \
