@@ -4,8 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PATH_MOST    256
-#define WAIT_SECONDS 30 /* the longest wait of one request */
+#define PATH_MOST 256
 
 static enum gdc_status batch_ask(struct gdc_client *client, const struct gdc_request *request,
                                  struct gdc_batch *batch, struct gdc_problem *problem)
@@ -64,7 +63,7 @@ enum gdc_status gdc_batch_next(struct gdc_client *client, const char *id, struct
                                struct gdc_problem *problem)
 {
     char path[PATH_MOST];
-    snprintf(path, sizeof path, "/v1/batches/%s/results?wait=%d&%s", id, WAIT_SECONDS,
+    snprintf(path, sizeof path, "/v1/batches/%s/results?wait=%d&%s", id, gdc__wait_seconds(client),
              *page->next ? "" : "cursor=0");
     return gdc__turn(client, path, "cursor", page, problem);
 }
@@ -74,7 +73,8 @@ enum gdc_status gdc_batch_wait(struct gdc_client *client, const char *id, struct
 {
     char path[PATH_MOST];
     struct gdc_batch now;
-    snprintf(path, sizeof path, "/v1/batches/%s?wait=%d", id, client->progress ? 1 : WAIT_SECONDS);
+    snprintf(path, sizeof path, "/v1/batches/%s?wait=%d", id,
+             client->progress ? 1 : gdc__wait_seconds(client));
     for (;;) {
         enum gdc_status status =
             batch_ask(client, &(struct gdc_request){.method = "GET", .path = path}, &now, problem);

@@ -6,14 +6,17 @@
 #include <string.h>
 #include <time.h>
 
-#define DEFAULT_URL "http://127.0.0.1:8080"
-#define UNIX        "unix:"
-#define PATH_MOST   1024
-#define RETRIES     5
-#define TIMEOUT_S   120
+#define DEFAULT_URL  "http://127.0.0.1:8080"
+#define UNIX         "unix:"
+#define PATH_MOST    1024
+#define RETRIES      5
+#define TIMEOUT_S    120
+#define WAIT_SECONDS 30 /* the longest wait of one request for a job or batch */
 /* pause before the first retry; the pause doubles with each further retry */
 #define BACKOFF_MS   100
 #define BACKOFF_MOST 10000
+/* a refusal with a longer Retry-After is returned at once */
+#define RETRY_AFTER_MOST_S 120
 
 /* --- life ------------------------------------------------------------------------------------- */
 
@@ -251,23 +254,31 @@ static CURLcode send_once(struct gdc_client *client, const struct gdc_request *r
 
 /* --- with retries ----------------------------------------------------------------------------- */
 
+/* Returns the seconds of the last answer's Retry-After; 0 without this header. */
+static curl_off_t retry_after(struct gdc_client *client)
+{
+    curl_off_t seconds = 0;
+    return curl_easy_getinfo(client->curl, CURLINFO_RETRY_AFTER, &seconds) == CURLE_OK ? seconds
+                                                                                       : 0;
+}
+
 static void wait_before(struct gdc_client *client, unsigned attempt, int is_answer)
 {
-    curl_off_t told_s = 0;
+    curl_off_t told_s = is_answer ? retry_after(client) : 0;
     long ms = attempt < 7 ? BACKOFF_MS << attempt : BACKOFF_MOST;
     struct timespec now;
     clock_gettime(CLOCK_REALTIME, &now); /* adds jitter, so that clients retry at different times */
     ms = ms / 2 + now.tv_nsec / 1000 % ms;
-    if (is_answer && curl_easy_getinfo(client->curl, CURLINFO_RETRY_AFTER, &told_s) == CURLE_OK &&
-        told_s > 0)
-        ms = 1000 * (long)told_s;
+    if (told_s > 0) ms = 1000 * (long)told_s;
     nanosleep(&(struct timespec){ms / 1000, ms % 1000 * 1000000}, NULL);
 }
 
-static int is_worth_another(const struct gdc_request *request, CURLcode code,
-                            const struct gdc_answer *answer)
+static int is_worth_another(struct gdc_client *client, const struct gdc_request *request,
+                            CURLcode code, const struct gdc_answer *answer)
 {
-    if (code == CURLE_OK) return answer->status == 429 || answer->status == 503;
+    if (code == CURLE_OK)
+        return (answer->status == 429 || answer->status == 503) &&
+               retry_after(client) <= RETRY_AFTER_MOST_S;
     if (request->once) return code == CURLE_COULDNT_CONNECT;
     return code == CURLE_COULDNT_CONNECT || code == CURLE_GOT_NOTHING || code == CURLE_SEND_ERROR ||
            code == CURLE_RECV_ERROR || code == CURLE_PARTIAL_FILE;
@@ -276,7 +287,7 @@ static int is_worth_another(const struct gdc_request *request, CURLcode code,
 static enum gdc_status judge(const struct gdc_client *client, CURLcode code,
                              struct gdc_answer *answer, struct gdc_problem *problem)
 {
-    if (code == CURLE_OK && answer->status < 400) return GDC_OK;
+    if (code == CURLE_OK && answer->status >= 200 && answer->status < 300) return GDC_OK;
     enum gdc_status status = GDC_PROBLEM;
     if (code == CURLE_OUT_OF_MEMORY || code == CURLE_WRITE_ERROR)
         status = gdc__fail(problem, GDC_NO_MEMORY, "the system is out of memory");
@@ -284,10 +295,20 @@ static enum gdc_status judge(const struct gdc_client *client, CURLcode code,
         status = gdc__fail(problem, GDC_NO_CONNECTION, "no answer from %s: %s",
                            client->socket_path ? client->socket_path : client->url,
                            curl_easy_strerror(code));
+    else if (answer->status < 400)
+        status = gdc__fail(problem, GDC_BAD_ANSWER,
+                           "the answer has the status %d: another program answers at %s",
+                           answer->status, client->url);
     else
         read_problem(answer, problem);
     free(answer->body);
     return status;
+}
+
+int gdc__wait_seconds(const struct gdc_client *client)
+{
+    long most = client->timeout_s > 0 ? client->timeout_s / 2 : WAIT_SECONDS;
+    return most < WAIT_SECONDS ? (int)most : WAIT_SECONDS;
 }
 
 enum gdc_status gdc__exchange(struct gdc_client *client, const struct gdc_request *request,
@@ -296,7 +317,8 @@ enum gdc_status gdc__exchange(struct gdc_client *client, const struct gdc_reques
     struct gdc_answer received;
     CURLcode code = send_once(client, request, is_job, &received);
     for (unsigned attempt = 0;
-         attempt < client->retries && is_worth_another(request, code, &received); attempt++) {
+         attempt < client->retries && is_worth_another(client, request, code, &received);
+         attempt++) {
         wait_before(client, attempt, code == CURLE_OK);
         free(received.body);
         code = send_once(client, request, is_job, &received);

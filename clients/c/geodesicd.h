@@ -60,7 +60,8 @@ void gdc_client_destroy(struct gdc_client *client);
 
 /* Sets how often the client repeats a request if the daemon is busy (429, 503) or the connection
  * fails; the default is 5. Between attempts the client waits as long as the Retry-After header
- * says. Without this header, the pauses grow exponentially. */
+ * says, and does not repeat the request if that is longer than two minutes. Without this header,
+ * the pauses grow exponentially. */
 void gdc_client_set_retries(struct gdc_client *client, unsigned retries);
 /* Sets the number of seconds after which a request fails if no byte arrives; the default is 120. */
 void gdc_client_set_timeout(struct gdc_client *client, long seconds);

@@ -23,6 +23,10 @@ struct gdc_client {
 enum gdc_status gdc__fail(struct gdc_problem *problem, enum gdc_status status, const char *format,
                           ...) __attribute__((format(printf, 3, 4)));
 
+/* Returns the seconds that one request may wait for a job or batch, so that it does not reach the
+ * client's timeout. */
+int gdc__wait_seconds(const struct gdc_client *client);
+
 /* Sends a request, with retries. If `is_job`, the request asks the daemon to run it as a job and to
  * answer 202. */
 enum gdc_status gdc__exchange(struct gdc_client *client, const struct gdc_request *request,

@@ -9,8 +9,6 @@
 #define POLL_MS   20
 #define POLL_MOST 250
 
-#define WAIT_SECONDS 30 /* the longest wait of one request for the end of a job */
-
 enum state { STATE_ACTIVE, STATE_OVER, STATE_CANCELLED };
 
 struct job {
@@ -47,13 +45,14 @@ static enum gdc_status cancel(struct gdc_client *client, const struct job *job,
     return gdc__fail(problem, GDC_CANCELLED, "the job has been cancelled");
 }
 
-/* Reads the job's state. Without a progress function it blocks until the job ends or WAIT_SECONDS
- * pass. */
+/* Reads the job's state. Without a progress function it blocks until the job ends or
+ * gdc__wait_seconds pass. */
 static enum gdc_status look(struct gdc_client *client, struct job *job, struct gdc_problem *problem)
 {
     struct gdc_answer answer;
     char path[sizeof job->path + 16];
-    snprintf(path, sizeof path, "%s?wait=%d", job->path, client->progress ? 0 : WAIT_SECONDS);
+    snprintf(path, sizeof path, "%s?wait=%d", job->path,
+             client->progress ? 0 : gdc__wait_seconds(client));
     const struct gdc_request request = {.method = "GET", .path = path};
     enum gdc_status status = gdc__exchange(client, &request, 0, &answer, problem);
     if (status) return status;

@@ -338,7 +338,7 @@ enum gdc_status gdc_shortest_path(struct gdc_client *client, const char *mesh,
     const json_t *json = json_object_get(answer, "path");
     struct gdc_path found = {.length = json_number_value(json_object_get(json, "length"))};
     found.xyz = read_corners(json_object_get(json, "points"), &found.count);
-    if (!json_is_object(json))
+    if (json_is_null(json))
         status = gdc__fail(problem, GDC_NO_PATH,
                            "no path joins the points: they lie on different components");
     else if (!found.xyz)

@@ -3,6 +3,7 @@
 
 const BACKOFF_MS = 100; // pause before the first retry; the pause doubles with each further retry
 const BACKOFF_MOST_MS = 10000;
+const RETRY_AFTER_MOST_MS = 120000; // a refusal with a longer Retry-After is thrown at once
 const FLOATS = "application/octet-stream";
 const BATCH_WAIT_S = 30; // the longest wait of one request for a batch
 const PREVIEW_WAIT_MS = 500; // pause between two requests for a preview
@@ -127,10 +128,15 @@ function pause(ms, signal) {
   });
 }
 
-function waitBefore(attempt, response, signal) {
+/* Returns the milliseconds of Retry-After; undefined without this header. */
+function retryAfter(response) {
   const told = response?.headers.get("Retry-After");
+  return told && /^\d+$/.test(told) ? 1000 * Number(told) : undefined;
+}
+
+function waitBefore(attempt, response, signal) {
   const backoff = Math.min(BACKOFF_MS * 2 ** attempt, BACKOFF_MOST_MS) * (0.5 + Math.random());
-  return pause(told && /^\d+$/.test(told) ? 1000 * Number(told) : backoff, signal);
+  return pause(retryAfter(response) ?? backoff, signal);
 }
 
 async function problemOf(response) {
@@ -560,7 +566,7 @@ export class Client {
       } catch (error) {
         if (!(error instanceof ConnectionFailed) || error instanceof OriginRefused || !repeatable || attempt >= this.retries) throw error;
       }
-      const isBusy = !response || response.status === 429 || response.status === 503;
+      const isBusy = !response || ([429, 503].includes(response.status) && (retryAfter(response) ?? 0) <= RETRY_AFTER_MOST_MS);
       if (!isBusy || attempt >= this.retries) return response;
       await response?.body?.cancel();
       await waitBefore(attempt, response, init.signal);

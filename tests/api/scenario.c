@@ -439,6 +439,24 @@ static void run_batches(struct gdc_client *client)
 }
 
 /* The daemon of this URL refuses three requests, then closes the connection. */
+/* Reads answers that no daemon sends. */
+static void run_odd(struct gdc_client *client)
+{
+    struct gdc_problem problem = {0};
+    struct gdc_path path;
+    struct gdc_answer answer;
+    double distance;
+    EXPECT(gdc_distance(client, "a", gdc_vertex(0), gdc_vertex(1), &distance, &problem) ==
+           GDC_PROBLEM); /* Retry-After is a day */
+    EXPECT(problem.status == 503);
+    EXPECT(gdc_upload(client, "a", "v", 1, &problem) == GDC_BAD_ANSWER); /* a redirection */
+    EXPECT(strstr(problem.detail, "302") != NULL);
+    EXPECT(gdc_shortest_path(client, "a", gdc_vertex(0), gdc_vertex(1), &path, &problem) ==
+           GDC_BAD_ANSWER); /* {} */
+    gdc_client_set_timeout(client, 10);
+    EXPECT(gdc_job_wait(client, "j", &answer, &problem) == GDC_BAD_ANSWER);
+}
+
 static void run_busy(struct gdc_client *client)
 {
     struct gdc_problem problem = {0};
@@ -450,6 +468,7 @@ static void run_busy(struct gdc_client *client)
     struct gdc_batch batch;
     /* the daemon closes the connection on this request */
     EXPECT(gdc_batch_create(client, "{}", &batch, &problem) == GDC_NO_CONNECTION);
+    run_odd(client);
     struct gdc_client *nobody = gdc_client_create("http://127.0.0.1:1", "key");
     gdc_client_set_retries(nobody, 0);
     EXPECT(gdc_distance(nobody, "a", gdc_vertex(0), gdc_vertex(1), &distance, &problem) ==

@@ -32,9 +32,11 @@ class CClient(TestCase):
             self.run_scenario("unix:" + folder + "/socket")
 
     def test_requests_are_repeated_if_the_daemon_is_busy(self):
-        with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 3, (0, {}, {})) as (server, url):
+        with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 3, (0, {}, {}), (503, {"Retry-After": "86400"}, {}), (302, {}, {}), (200, {}, {}),
+                           (200, {}, {})) as (server, url):
             self.run_scenario(url, "busy")
-            self.assertEqual(len(server.seen), 4)
+            self.assertEqual(len(server.seen), 8)
+            self.assertEqual(server.paths[-1], "/v1/jobs/j?wait=5")  # half of the timeout
             # the client requests no compression from a daemon on the same machine
             self.assertEqual(set(server.codings), {None})
 

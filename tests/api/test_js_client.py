@@ -247,6 +247,8 @@ class JavaScriptClient(TestCase):
         with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 9) as (server, url):
             self.run_script('await assert.rejects(client.service(), { status: 503, code: "overloaded" });', url)
             self.assertEqual(len(server.seen), 4)
+        with scenario.busy((503, {"Retry-After": "86400"}, {"code": "overloaded"})) as (_, url):
+            self.run_script('await assert.rejects(client.service(), { status: 503, code: "overloaded" });', url)
         self.run_script("await assert.rejects(client.service(), geodesicd.ConnectionFailed);", "http://127.0.0.1:1")
 
 

@@ -1,5 +1,6 @@
 """Tests the Python client: the scenario, the client's own features, and its behaviour with a busy
 daemon."""
+import itertools
 import os
 import sys
 import tempfile
@@ -230,6 +231,26 @@ class Patience(unittest.TestCase):
                 client.service()
             self.assertEqual((caught.exception.status, caught.exception.retry_after, len(server.seen)), (503, 0, 3))
             self.assertEqual(str(caught.exception), "the queue is full")
+
+    def test_a_long_retry_after_is_raised(self):
+        with scenario.busy((503, {"Retry-After": "86400"}, {})) as (_, url), geodesicd.Client(url) as client:
+            with self.assertRaises(geodesicd.Overloaded) as caught:
+                client.service()
+            self.assertEqual(caught.exception.retry_after, 86400)
+
+    def test_answers_of_other_programs(self):
+        calls = (geodesicd.Client.service, lambda client: client.mesh("m").distance(0, 1), lambda client: client.mesh("m").matrix([0], [1]))
+        answers = [(302, {"Location": "/"}, b""), (204, {}, b""), (200, {}, b"<html>"), (200, {}, [])]
+        for call, answer in itertools.product(calls, answers):
+            with self.subTest(str(answer)), scenario.busy(answer) as (_, url), geodesicd.Client(url) as client:
+                self.assertRaises(geodesicd.BadAnswer, call, client)
+        with scenario.busy((400, {}, {"code": [], "detail": {}})) as (_, url), geodesicd.Client(url) as client:
+            self.assertRaises(geodesicd.ProblemError, client.service)
+
+    def test_waits_are_shorter_than_the_timeout(self):
+        with scenario.busy((200, {}, {"id": "b", "state": "done"})) as (server, url), geodesicd.Client(url, timeout=10) as client:
+            client.wait_batch("b")
+            self.assertEqual(server.paths, ["/v1/batches/b?wait=5"])
 
     def test_answers_of_proxies(self):
         with scenario.busy((502, {}, b"<html>bad gateway</html>")) as (_, url), geodesicd.Client(url) as client:

@@ -12,7 +12,7 @@ numpy arrays if numpy is installed.
 """
 from .aio import AsyncClient
 from .client import Batch, Client, Field, Mesh, Path, Resource, Surface, point_set
-from .errors import (Conflict, ConnectionFailed, DeadlineExceeded, Forbidden, GeodesicError, Insufficient, InvalidMesh, InvalidRequest, JobCancelled,
+from .errors import (BadAnswer, Conflict, ConnectionFailed, DeadlineExceeded, Forbidden, GeodesicError, Insufficient, InvalidMesh, InvalidRequest, JobCancelled,
                      NotFound, Overloaded, PointNotOnSurface, ProblemError, TooLarge, Unauthorized)
 from .jobs import Job
 from .points import Point, near, ray
@@ -20,7 +20,7 @@ from .points import Point, near, ray
 __version__ = "0.1.0"
 
 __all__ = [
-    "AsyncClient", "Batch", "Client", "Conflict", "ConnectionFailed", "DeadlineExceeded", "Field", "Forbidden", "GeodesicError", "Insufficient", "InvalidMesh", "InvalidRequest",
+    "AsyncClient", "BadAnswer", "Batch", "Client", "Conflict", "ConnectionFailed", "DeadlineExceeded", "Field", "Forbidden", "GeodesicError", "Insufficient", "InvalidMesh", "InvalidRequest",
     "Job", "JobCancelled", "Mesh", "NotFound", "Overloaded", "Path", "Point", "PointNotOnSurface", "ProblemError", "Resource", "Surface", "TooLarge",
     "Unauthorized", "near", "point_set", "ray"
 ]

@@ -11,7 +11,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 from . import answers, arrays, notebook, ply, points
 from .arrays import floats, numpy
-from .errors import GeodesicError, NotFound
+from .errors import BadAnswer, GeodesicError, NotFound
 from .jobs import Job, Progress, listener
 from .points import Point, PointLike, Points, Vec3
 from .transport import Response, Transport
@@ -227,7 +227,10 @@ class Mesh(Surface):
         body: Dict[str, Any] = {"sources": sources, "targets": targets}
         if max_distance is not None:
             body["max_distance"] = max_distance
-        values = floats(self.client.call("POST", self.location + "/matrix", None, body, {"Accept": FLOATS}, progress).body)
+        received = self.client.call("POST", self.location + "/matrix", None, body, {"Accept": FLOATS}, progress).body
+        if len(received) != 8 * len(sources) * len(targets):
+            raise BadAnswer("the matrix has another size")
+        values = floats(received)
         if numpy is not None:
             return values.reshape(len(sources), len(targets))
         return [values[row * len(targets):(row + 1) * len(targets)] for row in range(len(sources))]
@@ -344,6 +347,11 @@ class Client:
         url = url or os.environ.get("GEODESICD_URL") or DEFAULT_URL
         self.transport = Transport(url, key or os.environ.get("GEODESICD_KEY"), timeout, retries, context)
 
+    @property
+    def _batch_wait(self) -> int:
+        """Seconds that one request waits for a batch, so that it does not reach the timeout."""
+        return min(BATCH_WAIT, int((self.transport.timeout or 2 * BATCH_WAIT) / 2))
+
     def __enter__(self) -> "Client":
         return self
 
@@ -409,7 +417,7 @@ class Client:
         finished work, in [0,1]."""
         tell = listener(progress)
         while True:
-            batch = self.call("GET", f"/v1/batches/{id}", {"wait": 1 if tell else BATCH_WAIT}).json
+            batch = self.call("GET", f"/v1/batches/{id}", {"wait": 1 if tell else self._batch_wait}).json
             if tell:
                 tell(batch["progress"])
             if batch["state"] != "running":
@@ -424,7 +432,7 @@ class Client:
             return
         cursor: Any = 0
         while cursor is not None:
-            page = self.call("GET", f"/v1/batches/{id}/results", {"cursor": cursor, "wait": BATCH_WAIT}).json
+            page = self.call("GET", f"/v1/batches/{id}/results", {"cursor": cursor, "wait": self._batch_wait}).json
             yield from page["results"]
             cursor = page["next"]
 

@@ -13,6 +13,10 @@ class ConnectionFailed(GeodesicError):
     longer than the client's timeout."""
 
 
+class BadAnswer(GeodesicError):
+    """The answer does not match the contract: another program answers at this address."""
+
+
 class ProblemError(GeodesicError):
     """An error that the daemon reports (RFC 9457).
 

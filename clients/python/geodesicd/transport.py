@@ -13,10 +13,13 @@ import time
 import urllib.parse
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple, Union
 
-from .errors import ConnectionFailed, problem_error
+from .errors import BadAnswer, ConnectionFailed, problem_error
 
 BACKOFF_SECONDS = 0.1  # pause before the first retry; the pause doubles with each further retry
 BACKOFF_MOST = 10.0
+RETRY_AFTER_MOST = 120.0  # a refusal with a longer Retry-After is raised at once
+HEARTBEAT = 15.0  # the longest time between two lines of a stream of events
+TEXTS = ("code", "detail", "title", "pointer", "parameter", "reason")  # members of a problem
 LOOPBACK = re.compile(r"localhost|::1|127\.[\d.]+")
 
 
@@ -27,7 +30,14 @@ class Response(NamedTuple):
 
     @property
     def json(self) -> Any:
-        return json.loads(self.body)
+        """The JSON object of the body."""
+        try:
+            answer = json.loads(self.body)
+        except (ValueError, RecursionError) as error:
+            raise BadAnswer(f"the answer is not JSON: {error}") from error
+        if not isinstance(answer, dict):
+            raise BadAnswer("the answer is not a JSON object")
+        return answer
 
 
 class _UnixConnection(http.client.HTTPConnection):
@@ -100,7 +110,8 @@ class Transport:
                 self._wait(attempt, None)
                 continue
             retry_after = _seconds(response.headers.get("Retry-After"))
-            if response.status not in (429, 503) or attempt == self.retries:
+            is_busy = response.status in (429, 503) and (retry_after or 0) <= RETRY_AFTER_MOST
+            if not is_busy or attempt == self.retries:
                 return _checked(response, retry_after)
             self._wait(attempt, retry_after)
         raise AssertionError("unreachable")
@@ -109,6 +120,7 @@ class Transport:
         """Yields server-sent events as (event, data) until the daemon closes the stream. Uses a
         connection of its own."""
         connection = self._connect()
+        connection.timeout = self.timeout and max(self.timeout, 2 * HEARTBEAT)
         try:
             connection.request("GET", path, headers={**self._headers, "Accept-Encoding": "identity", "Accept": "text/event-stream"})
             answer = connection.getresponse()
@@ -182,12 +194,13 @@ def _seconds(text: Optional[str]) -> Optional[float]:
 
 
 def _checked(response: Response, retry_after: Optional[float]) -> Response:
-    if response.status < 400:
+    if 200 <= response.status < 300:
         return response
+    if response.status < 400:
+        raise BadAnswer(f"the answer has the status {response.status}: another program answers at this address")
     try:
         problem = response.json
-    except ValueError:
+    except BadAnswer:
         problem = {}
-    if not isinstance(problem, dict):
-        problem = {}
+    problem = {name: value for name, value in problem.items() if isinstance(value, str) or name not in TEXTS}
     raise problem_error(problem, response.status, response.headers.get("X-Request-Id", ""), retry_after)
