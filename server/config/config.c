@@ -12,7 +12,9 @@
 #include "server/base/version.h"
 
 #define NAME_LIMIT 32  /* largest number of bytes of an option's name */
-#define TEXT_LIMIT 512 /* largest number of bytes of a value's origin or of a list */
+#define TEXT_LIMIT 512 /* largest number of bytes of a value's origin or of a list of words */
+#define LIST_LIMIT (SERVER_CONFIG_NAMES * (SERVER_CONFIG_NAME + 2)) /* of names, with ", " */
+#define LINE_LIMIT (2 * LIST_LIMIT) /* bytes of a line of a --config file */
 
 /* --- the table of options --------------------------------------------------------------------- */
 
@@ -251,8 +253,9 @@ static bool is_origin(const char *text)
 static bool names_add(const struct loader *loader, const struct option *option, const char *value,
                       struct server_config_list *member)
 {
-    char list[TEXT_LIMIT], *rest;
-    snprintf(list, sizeof list, "%s", value);
+    char list[LIST_LIMIT], *rest;
+    if (snprintf(list, sizeof list, "%s", value) >= (int)sizeof list)
+        return loader_complain(loader, "the list has more than %d bytes", LIST_LIMIT - 1);
     for (char *name = strtok_r(list, ", ", &rest); name; name = strtok_r(NULL, ", ", &rest)) {
         if (strlen(name) >= SERVER_CONFIG_NAME)
             return loader_complain(loader, "'%s' is too long", name);
@@ -383,7 +386,9 @@ static bool load_line(struct loader *loader, char *line)
     *equals = '\0';
     name = text_trim(name);
     const struct option *option = option_find(name, strlen(name));
-    if (!option || option->kind == SWITCH || option->kind == CONFIG_FILE)
+    if (option && (option->kind == SWITCH || option->kind == CONFIG_FILE))
+        return loader_complain(loader, "'%s' can't be set in a file", name);
+    if (!option)
         return loader_complain(loader, "there is no setting '%s'; did you mean '%s'?", name,
                                name_nearest(name, strlen(name)));
     return option_set(loader, option, text_trim(equals + 1));
@@ -394,11 +399,13 @@ static bool load_file(struct loader *loader, const char *path)
     FILE *file = server_disk_stream(path);
     snprintf(loader->origin, sizeof loader->origin, "--config");
     if (!file) return loader_complain(loader, "can't read '%s': %s", path, server_disk_why());
-    char line[1024];
+    char line[LINE_LIMIT];
     bool ok = true;
     for (unsigned number = 1; ok && fgets(line, sizeof line, file); number++) {
         snprintf(loader->origin, sizeof loader->origin, "%s:%u", path, number);
-        ok = load_line(loader, line);
+        ok = (strchr(line, '\n') || feof(file) ||
+              loader_complain(loader, "a line has at most %d bytes", LINE_LIMIT - 2)) &&
+             load_line(loader, line);
     }
     fclose(file);
     return ok;
@@ -510,6 +517,7 @@ static bool config_validate(struct loader *loader)
     bool is_shared = config->store == SERVER_STORE_KIND_POSTGRES,
          is_memory = config->store == SERVER_STORE_KIND_MEMORY,
          copies = *config->backup || *config->restore;
+    int commands = config->check_store + !!*config->backup + !!*config->restore;
     char listen[sizeof "--listen " + SERVER_ADDRESS_TEXT] = "--listen ";
     server_address_format(&config->listen, listen + strlen(listen));
     const struct {
@@ -519,6 +527,8 @@ static bool config_validate(struct loader *loader)
         {config->store == SERVER_STORE_KIND_LOCAL && !*config->data_dir && !find_data_dir(config),
          "--data-dir",
          "there is no home folder to keep meshes in: name a folder, or use --store memory"},
+        {commands > 1, *config->backup ? "--backup" : "--restore",
+         "give only one of --check-store, --backup and --restore"},
         {is_shared && copies, "--store",
          "copy a database with pg_dump: omit --backup and --restore"},
         {is_shared && config->persist_fields && !*config->data_dir, "--store",

@@ -212,18 +212,41 @@ static void flags_win_over_environment_over_file(void **state)
     assert_string_equal(config.allowed_hosts.name[1], "b.example");
 }
 
-static void errors_of_a_file_name_the_line(void **state)
+static enum server_config_outcome load_file(const char *text)
 {
-    (void)state;
     char path[] = "geodesicd-test-XXXXXX";
     int file = mkstemp(path);
-    static const char text[] = "workers = 3\nmax-fases = 500\n";
     assert_int_equal(write(file, text, strlen(text)), strlen(text));
     close(file);
     enum server_config_outcome outcome = LOAD("--config", path);
     unlink(path);
-    assert_wrong(outcome, ":2: ");
+    return outcome;
+}
+
+static void long_texts_are_not_cut(void **state)
+{
+    (void)state;
+    char text[10000];
+    snprintf(text, sizeof text, "%0600d.a,b.example", 0);
+    assert_wrong(LOAD("--allowed-host", text), "too long");
+    char *at = text;
+    for (int i = 0; i < SERVER_CONFIG_NAMES; i++) at += sprintf(at, "%040d.example, ", i);
+    assert_int_equal(LOAD("--allowed-host", text), SERVER_CONFIG_RUN);
+    assert_int_equal(config.allowed_hosts.count, SERVER_CONFIG_NAMES);
+    assert_int_equal(strlen(config.allowed_hosts.name[SERVER_CONFIG_NAMES - 1]), 48);
+    snprintf(text, sizeof text, "%09000d", 0);
+    assert_wrong(LOAD("--allowed-host", text), "bytes");
+    text[0] = '#'; /* a comment; its end must not become a line */
+    assert_wrong(load_file(text), ":1: a line has");
+}
+
+static void errors_of_a_file_name_the_line(void **state)
+{
+    (void)state;
+    assert_wrong(load_file("workers = 3\nmax-fases = 500\n"), ":2: ");
     assert_non_null(strstr(complained, "max-faces"));
+    assert_wrong(load_file("version = true\n"), "can't be set");
+    assert_wrong(LOAD("--check-store", "--backup", "copy"), "only one");
     assert_wrong(LOAD("--config", "no-such-file"), "no-such-file");
 }
 
@@ -241,6 +264,7 @@ int main(void)
         cmocka_unit_test(lists_two_frame_ancestors),
         cmocka_unit_test(prints_help_and_version),
         cmocka_unit_test(flags_win_over_environment_over_file),
+        cmocka_unit_test(long_texts_are_not_cut),
         cmocka_unit_test(errors_of_a_file_name_the_line),
     };
     int failures = cmocka_run_group_tests(tests, NULL, NULL);
