@@ -6,6 +6,7 @@ import os
 import pathlib
 import shutil
 import signal
+import subprocess
 import threading
 import unittest
 
@@ -293,7 +294,27 @@ class Tools(Stored):
         with Daemon("--data-dir", str(again)) as daemon:
             self.assertEqual(daemon.get("/v1/meshes/sphere/distance?from=v:0&to=v:9").status, 200)
 
+    def test_a_read_only_copy_is_checked_and_restored(self):
+        """Needs the right to mount. The path has characters that SQLite's URIs escape."""
+        with self.start() as daemon:
+            daemon.put("square", SQUARE)
+        copy = pathlib.Path(self.place.name) / "50%?#"
+        self.assertEqual(self.tool("--backup", copy).returncode, 0)
+        if not shutil.which("mount") or subprocess.run(["mount", "--bind", copy, copy], stderr=subprocess.DEVNULL).returncode:
+            self.skipTest("no right to mount")
+        try:
+            subprocess.run(["mount", "-o", "remount,ro,bind", copy], check=True)
+            for arguments, folder in ((("--check-store",), copy), (("--restore", copy), copy.with_name("again"))):
+                done = self.tool(*arguments, folder=folder)
+                self.assertEqual(done.returncode, 0, done)
+        finally:
+            subprocess.run(["umount", copy], check=True)
+
     def test_check_of_nothing(self):
+        copy = pathlib.Path(self.place.name) / "copy"
+        backup = self.tool("--backup", copy)
+        self.assertEqual((backup.returncode, copy.exists()), (1, False), backup)
+        self.assertIn("there is no data folder", backup.stdout)
         self.assertEqual(self.tool("--check-store").returncode, 1)
         self.assertFalse(self.folder.exists())
         self.folder.mkdir()

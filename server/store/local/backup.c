@@ -128,10 +128,9 @@ static bool store_copy(struct backup *backup)
 
 static bool folder_copy(struct backup *backup, const char *folder, const char *copy)
 {
-    snprintf(backup->from.folder, sizeof backup->from.folder, "%s", folder);
-    bool is_unfinished = server_files_is_unfinished(&backup->from);
-    if (is_unfinished || !server_files_open_copy(&backup->to, copy)) {
-        fprintf(backup->out, "%s\n", is_unfinished ? backup->from.error : backup->to.error);
+    bool is_found = server_files_find(&backup->from, folder);
+    if (!is_found || !server_files_open_copy(&backup->to, copy)) {
+        fprintf(backup->out, "%s\n", is_found ? backup->to.error : backup->from.error);
         return false;
     }
     bool is_copied = store_copy(backup);

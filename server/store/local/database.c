@@ -1,10 +1,13 @@
 /* The SQLite databases of the records (local.h) and of the batches (sql.h). */
 #include "server/store/local/local.h"
 
+#include <errno.h>
 #include <pthread.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 #include "server/base/log.h"
 
@@ -234,6 +237,30 @@ static int migrate_in_memory(struct server_database *database, int64_t version)
     return code;
 }
 
+/* Opens a database on a read-only file system, where SQLite can't create the files beside it. So the
+ * database must have no log. Returns a code of SQLite. */
+static int sqlite_connect_immutable(const char *path, sqlite3 **out)
+{
+    static const char end[] = "?immutable=1";
+    char *uri = malloc(strlen("file:") + 3 * strlen(path) + sizeof end);
+    if (!uri) return SQLITE_NOMEM;
+    char *at = stpcpy(uri, "file:");
+    for (; *path; path++) at += sprintf(at, strchr("%?#", *path) ? "%%%02X" : "%c", *path);
+    strcpy(at, end);
+    int code =
+        sqlite_connect(uri, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_URI, out);
+    free(uri);
+    return code;
+}
+
+static int connect_to_read(struct server_database *database, const char *path)
+{
+    bool is_immutable = database->had_no_log && access(path, W_OK) != 0 && errno == EROFS;
+    return is_immutable ? sqlite_connect_immutable(path, &database->connection)
+                        : sqlite_connect(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX,
+                                         &database->connection);
+}
+
 static enum server_outcome open_to_read(struct server_database *database, const char *path,
                                         bool is_store)
 {
@@ -242,8 +269,7 @@ static enum server_outcome open_to_read(struct server_database *database, const 
     snprintf(log, sizeof log, "%s-wal", path);
     database->had_no_log = !server_disk_exists(log);
     if (!server_disk_exists(path)) return SERVER_STORE_ABSENT;
-    int code =
-        sqlite_connect(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, &database->connection);
+    int code = connect_to_read(database, path);
     if (!code && is_store) code = read_version(database->connection, &version);
     if (!code && version == 0) return SERVER_STORE_ABSENT;
     if (!code) code = sqlite_check(database->connection);

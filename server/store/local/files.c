@@ -111,6 +111,8 @@ static bool lock_take(struct server_files *files, int flags)
     const struct server_path path = server_files_path(files, "lock");
     files->held = open(files->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (files->held >= 0) files->lock = open(path.text, flags | O_CLOEXEC | O_NONBLOCK, 0600);
+    if (files->held >= 0 && files->lock < 0 && errno == EROFS && !(flags & O_CREAT))
+        files->lock = open(path.text, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     /* without O_CREAT the file may be missing, because some copies of the folder lack it */
     bool is_open = files->held >= 0 && (files->lock >= 0 || errno == ENOENT);
     if (!is_open) (void)files_refuse_path(files, files->held < 0 ? files->folder : path.text);
@@ -150,7 +152,7 @@ bool server_files_open(struct server_files *files, const char *folder)
     return true;
 }
 
-bool server_files_open_existing(struct server_files *files, const char *folder)
+bool server_files_find(struct server_files *files, const char *folder)
 {
     if (!set_folder(files, folder)) return false;
     /* the slash after the name excludes files that are not folders */
@@ -159,7 +161,12 @@ bool server_files_open_existing(struct server_files *files, const char *folder)
         return server_refuse(
             files->error,
             "there is no data folder at '%s': name one that a daemon or --backup has made", folder);
-    return !server_files_is_unfinished(files) && lock_take(files, O_RDWR);
+    return !server_files_is_unfinished(files);
+}
+
+bool server_files_open_existing(struct server_files *files, const char *folder)
+{
+    return server_files_find(files, folder) && lock_take(files, O_RDWR);
 }
 
 void server_files_close(struct server_files *files)

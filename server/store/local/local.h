@@ -53,8 +53,10 @@ bool server_files_object_check(const char *file);
  * sets files->error. */
 bool server_files_open(struct server_files *files, const char *folder);
 /* Like server_files_open, but creates nothing. Also returns false if `objects` or `manifests` is
- * missing. */
+ * missing. Works on a read-only file system. */
 bool server_files_open_existing(struct server_files *files, const char *folder);
+/* Like server_files_open_existing, but does not lock the folder and needs no close. */
+bool server_files_find(struct server_files *files, const char *folder);
 /* Like server_files_open, but opens a new or an unfinished copy. The objects of an unfinished copy
  * are kept. The copy is unfinished until server_files_finish is called. */
 bool server_files_open_copy(struct server_files *files, const char *folder);
