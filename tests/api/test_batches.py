@@ -112,6 +112,13 @@ class Alone:
         self.assertIsNone(self.daemon.get(f"{path}/results?cursor=3000").json["next"])
         self.assertEqual(self.daemon.request("DELETE", path).status, 204)
 
+    def test_pages_stay_within_the_largest_answer(self):
+        with Daemon("--max-answer", "64KiB") as daemon:
+            self.assertEqual(daemon.put("ball", sample("icosphere", level=3)).status, 201)
+            begun = begin(daemon, {"query": "all-pairs", "mesh": "ball", "vertices": list(range(100))})
+            wait(daemon, begun.json["id"])
+            self.assertEqual([one["item"] for one in results(daemon, begun.json["id"])], list(range(100)))
+
     def test_parameters_of_waiting(self):
         for target, parameter in (("/results?cursor=x", "cursor"), ("/results?cursor=-1", "cursor"), ("/results?wait=1", "wait"), ("/results?cursor=0&after=1", "after"),
                                   ("/results?cursor=0&wait=61", "wait"), ("?wait=61", "wait"), ("?wait=", "wait"), ("?cursor=0", "cursor"), ("/results?after=x", "after")):

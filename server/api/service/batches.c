@@ -15,6 +15,7 @@
 #include "server/store/kind.h"
 
 #define BATCHES_MOST 1000 /* limit on the batches of a tenant */
+#define MEMBERS_MOST 1024 /* bytes of an item's members beside its answer, and of a page's end */
 
 _Static_assert(PROTO_MANY_ID == SERVER_JOB_ID, "batches have ids of jobs");
 
@@ -248,8 +249,10 @@ static bool on_answer(void *user, const struct server_sql_value *row)
 {
     struct answers *answers = user;
     answers->seen++;
-    answers->is_cut =
-        answers->count == answers->page.limit || answers->writer.size > PROTO_PAGE_BYTES;
+    const struct proto_writer *writer = &answers->writer;
+    bool fits = writer->size + row[2].size + MEMBERS_MOST <= writer->maximum;
+    answers->is_cut = answers->count == answers->page.limit || writer->size > PROTO_PAGE_BYTES ||
+                      (answers->count && !fits);
     if (answers->is_cut) return false;
     answers->count++;
     answers->place.after = row[3].integer;
