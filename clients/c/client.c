@@ -53,6 +53,17 @@ static int set_address(struct gdc_client *client, const char *url)
     return client->url && (!is_unix || client->socket_path);
 }
 
+/* Returns the header with the key, up to the first blank or control character: a key that is read
+ * from a file often ends with a newline, which would end the header. */
+static char *authorization_of(const char *key)
+{
+    char *line = join("Authorization: Bearer ", key, "");
+    char *end = line ? line + strlen(line) - strlen(key) : NULL;
+    while (end && (unsigned char)*end > ' ') end++;
+    if (end) *end = '\0';
+    return line;
+}
+
 struct gdc_client *gdc_client_create(const char *url, const char *key)
 {
     struct gdc_client *client = calloc(1, sizeof *client);
@@ -62,7 +73,7 @@ struct gdc_client *gdc_client_create(const char *url, const char *key)
     client->retries = RETRIES;
     client->timeout_s = TIMEOUT_S;
     client->curl = curl_easy_init();
-    if (key && *key) client->authorization = join("Authorization: Bearer ", key, "");
+    if (key && *key) client->authorization = authorization_of(key);
     if (client->curl && set_address(client, url && *url ? url : DEFAULT_URL) &&
         (!key || !*key || client->authorization))
         return client;

@@ -36,6 +36,7 @@ class Busy(http.server.BaseHTTPRequestHandler):
         status, header, body = self.server.answers.pop(0) if self.server.answers else (200, {}, {"version": "1"})
         self.server.seen.append(time.monotonic())
         self.server.paths.append(self.path)
+        self.server.keys.append(self.headers.get("Authorization"))
         self.server.codings.append(self.headers.get("Accept-Encoding"))
         if status == 0:  # the status 0 closes the connection without an answer
             self.close_connection = True
@@ -56,7 +57,7 @@ class Busy(http.server.BaseHTTPRequestHandler):
 @contextlib.contextmanager
 def busy(*answers):
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Busy)
-    server.answers, server.seen, server.paths, server.codings = list(answers), [], [], []
+    server.answers, server.seen, server.paths, server.keys, server.codings = list(answers), [], [], [], []
     server.handle_error = lambda *_: None  # ignores clients that have disconnected
     threading.Thread(target=server.serve_forever, daemon=True).start()
     try:

@@ -247,6 +247,14 @@ class Patience(unittest.TestCase):
         with scenario.busy((400, {}, {"code": [], "detail": {}})) as (_, url), geodesicd.Client(url) as client:
             self.assertRaises(geodesicd.ProblemError, client.service)
 
+    def test_blanks_around_a_key_are_ignored(self):
+        with scenario.busy() as (server, url), geodesicd.Client(url, key="key\n") as client:
+            client.service()
+            self.assertEqual(server.keys, ["Bearer key"])
+            with self.assertRaises(ValueError) as caught:
+                geodesicd.Client(url, key="secret\nX: y")
+            self.assertNotIn("secret", str(caught.exception))
+
     def test_waits_are_shorter_than_the_timeout(self):
         with scenario.busy((200, {}, {"id": "b", "state": "done"})) as (server, url), geodesicd.Client(url, timeout=10) as client:
             client.wait_batch("b")

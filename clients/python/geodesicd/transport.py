@@ -71,6 +71,9 @@ class Transport:
         # on one machine, compressing takes longer than sending the uncompressed bytes
         self._headers = {"Accept-Encoding": "identity" if is_near else "gzip", "User-Agent": "geodesicd-python"}
         if key:
+            key = key.strip()  # a key that is read from a file often ends with a newline
+            if re.search(r"[^!-~]", key):
+                raise ValueError("the key has characters that no key has")
             self._headers["Authorization"] = f"Bearer {key}"
         self._lock = threading.Lock()
         self._idle: List[http.client.HTTPConnection] = []
