@@ -583,8 +583,26 @@ export class Client {
       sent["Content-Type"] ??= "application/json";
     }
     const response = await this.#request(method, path + toQuery(query), { body, headers: sent, signal }, repeatable);
+    this.#guardBody(response, signal);
     if (response.status >= 400) throw await problemOf(response);
     return response;
+  }
+
+  /* Makes the methods that read the body throw this library's errors: if the connection fails
+   * within the body, and if the body is not JSON. */
+  #guardBody(response, signal) {
+    for (const name of ["json", "text", "arrayBuffer"]) {
+      const read = response[name].bind(response);
+      response[name] = async () => {
+        try {
+          return await read();
+        } catch (error) {
+          if (signal?.aborted) throw error;
+          if (error instanceof SyntaxError) throw new GeodesicError(`the answer of ${this.url} is not JSON: ${error.message}`, { cause: error });
+          throw new ConnectionFailed(`the answer of ${this.url} was cut off: ${error.message}`, { cause: error });
+        }
+      };
+    }
   }
 
   async submit(method, path, { headers, ...rest } = {}) {

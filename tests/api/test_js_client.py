@@ -251,6 +251,12 @@ class JavaScriptClient(TestCase):
             self.run_script('await assert.rejects(client.service(), { status: 503, code: "overloaded" });', url)
         self.run_script("await assert.rejects(client.service(), geodesicd.ConnectionFailed);", "http://127.0.0.1:1")
 
+    def test_odd_answers_are_errors_of_the_library(self):
+        answers = [(200, {"Content-Length": 100, "Connection": "close"}, {}), (200, {}, b"<html>"), (204, {}, b"")]
+        for answer, error in zip(answers, ("ConnectionFailed", "GeodesicError", "GeodesicError")):
+            with self.subTest(error), scenario.busy(answer) as (_, url):
+                self.run_script(f"await assert.rejects(client.service(), {{ constructor: geodesicd.{error} }});", url)
+
 
 class Types(unittest.TestCase):
     PROGRAM = """
