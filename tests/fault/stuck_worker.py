@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Stops the thread of a running query, as a system call that never returns would do. SIGTERM ends the
-daemon nevertheless, with the status 1 and a message. Takes half a minute."""
+"""Stops the thread of a running query, as a system call that never returns would do. SIGTERM ends
+the daemon nevertheless, with the status 1 and a message. Takes half a minute."""
 import ctypes
 import os
 import pathlib

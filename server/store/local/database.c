@@ -237,8 +237,8 @@ static int migrate_in_memory(struct server_database *database, int64_t version)
     return code;
 }
 
-/* Opens a database on a read-only file system, where SQLite can't create the files beside it. So the
- * database must have no log. Returns a code of SQLite. */
+/* Opens a database on a read-only file system, where SQLite can't create the files beside it. So
+ * the database must have no log. Returns a code of SQLite. */
 static int sqlite_connect_immutable(const char *path, sqlite3 **out)
 {
     static const char end[] = "?immutable=1";
