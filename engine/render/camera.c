@@ -82,10 +82,10 @@ struct extent {
 
 static void extent_add(struct extent *extent, double x, double y)
 {
-    extent->left = fmin(extent->left, x);
-    extent->right = fmax(extent->right, x);
-    extent->bottom = fmin(extent->bottom, y);
-    extent->top = fmax(extent->top, y);
+    if (x < extent->left) extent->left = x;
+    if (x > extent->right) extent->right = x;
+    if (y < extent->bottom) extent->bottom = y;
+    if (y > extent->top) extent->top = y;
 }
 
 /* Adds the points of a layer. A point outside `most` counts as one on its border. */

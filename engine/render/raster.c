@@ -1,12 +1,14 @@
 #include "render/raster.h"
 
+#define SLACK 1e-3 /* rounding errors of x coordinates are below this, in samples */
+
 enum {
     FACE_WORK = 64,
     CHECK_INTERVAL = 1 << 18, /* samples */
     FACES_A_CHECK = 1 << 14
 };
 
-/* --- one face --------------------------------------------------------------------------------- */
+/* --- the rows of a face ----------------------------------------------------------------------- */
 
 /* Returns the number of sample rows, or of samples in a row, below a coordinate; at most `most`. */
 static inline uint32_t samples_below(double coordinate, uint32_t most)
@@ -17,6 +19,46 @@ static inline uint32_t samples_below(double coordinate, uint32_t most)
     uint32_t count = (uint32_t)least;
     return count + (count < least);
 }
+
+/* fminf and fmaxf would be calls of the library */
+static float least_of(float a, float b, float c)
+{
+    float least = a < b ? a : b;
+    return least < c ? least : c;
+}
+
+static float most_of(float a, float b, float c)
+{
+    float most = a > b ? a : b;
+    return most > c ? most : c;
+}
+
+/* Returns twice the area of a face in the picture; positive if the face is seen from outside. */
+static double area_of(const struct gd__screen_point *a, const struct gd__screen_point *b,
+                      const struct gd__screen_point *c)
+{
+    return ((double)c->x - a->x) * ((double)b->y - a->y) -
+           ((double)b->x - a->x) * ((double)c->y - a->y);
+}
+
+struct rows {
+    uint32_t from, to; /* the sample rows [from, to) that a face meets; none if both are equal */
+};
+
+/* Returns the rows that a face meets. A face of a closed surface that is seen from behind meets
+ * none. */
+static struct rows rows_of(const struct gd__raster *raster, uint32_t face)
+{
+    uint32_t v[3], grid = raster->grid, most = raster->height * grid;
+    gd__corners(raster->mesh, face, v);
+    const struct gd__screen_point *a = &raster->points[v[0]], *b = &raster->points[v[1]],
+                                  *c = &raster->points[v[2]];
+    if (raster->is_closed && area_of(a, b, c) <= 0) return (struct rows){0, 0};
+    return (struct rows){samples_below((double)least_of(a->y, b->y, c->y) * grid, most),
+                         samples_below((double)most_of(a->y, b->y, c->y) * grid, most)};
+}
+
+/* --- one face --------------------------------------------------------------------------------- */
 
 /* A projected face. a, b, c are its corners from top to bottom. */
 struct patch {
@@ -33,13 +75,22 @@ static void exchange_if(struct gd__screen_point *above, struct gd__screen_point 
     *below_it = point;
 }
 
-/* Computes the patch of a face. Returns false if the face is seen edge-on. */
+/* Returns true if no sample of any row lies between two x coordinates. */
+static bool is_between_samples(const struct gd__raster *raster, float left, float right)
+{
+    double grid = raster->grid, shift = (grid - 1) / (2 * grid) + SLACK;
+    uint32_t most = raster->width * raster->grid;
+    return samples_below(left * grid - shift, most) == samples_below(right * grid + shift, most);
+}
+
+/* Computes the patch of a face. Returns false if the face covers no samples. */
 static bool make_patch(const struct gd__raster *raster, uint32_t face, struct patch *out)
 {
     uint32_t v[3];
     gd__corners(raster->mesh, face, v);
     struct gd__screen_point a = raster->points[v[0]], b = raster->points[v[1]],
                             c = raster->points[v[2]];
+    if (is_between_samples(raster, least_of(a.x, b.x, c.x), most_of(a.x, b.x, c.x))) return false;
     exchange_if(&a, &b);
     exchange_if(&b, &c);
     exchange_if(&a, &b);
@@ -50,8 +101,8 @@ static bool make_patch(const struct gd__raster *raster, uint32_t face, struct pa
     *out = (struct patch){a,
                           b,
                           c,
-                          fminf(a.z, fminf(b.z, c.z)),
-                          fmaxf(a.z, fmaxf(b.z, c.z)),
+                          least_of(a.z, b.z, c.z),
+                          most_of(a.z, b.z, c.z),
                           (bz * cy - cz * by) / area,
                           (cz * bx - bz * cx) / area};
     return true;
@@ -97,11 +148,12 @@ static uint32_t fill_face(struct gd__raster *raster, uint32_t face, uint32_t fir
                           uint32_t end_row)
 {
     struct patch patch;
+    struct rows rows = rows_of(raster, face);
     uint32_t samples = 0;
-    if (!make_patch(raster, face, &patch)) return 0;
-    uint32_t from = samples_below((double)patch.a.y * raster->grid, end_row),
-             to = samples_below((double)patch.c.y * raster->grid, end_row);
-    for (uint32_t row = from < first_row ? first_row : from; row < to; row++)
+    if (rows.from < first_row) rows.from = first_row;
+    if (rows.to > end_row) rows.to = end_row;
+    if (rows.from >= rows.to || !make_patch(raster, face, &patch)) return 0;
+    for (uint32_t row = rows.from; row < rows.to; row++)
         samples += fill_row(raster, &patch, face, row, first_row);
     return samples;
 }
@@ -112,7 +164,9 @@ enum gd_status gd__raster_fill(struct gd__raster *raster, uint32_t band,
     enum gd_status status = GD_OK;
     uint32_t first_row = band * raster->rows * raster->grid,
              end_row = first_row + raster->rows * raster->grid, work = 0;
-    uint32_t first = raster->first[band], end = raster->first[band + 1];
+    const uint32_t *faces = raster->faces;
+    uint32_t first = faces ? raster->first[band] : 0,
+             end = faces ? raster->first[band + 1] : raster->mesh->face_count;
     if (end_row > raster->height * raster->grid) end_row = raster->height * raster->grid;
     size_t samples = (size_t)(end_row - first_row) * raster->width * raster->grid;
     for (size_t i = 0; i < samples; i++) {
@@ -120,7 +174,7 @@ enum gd_status gd__raster_fill(struct gd__raster *raster, uint32_t band,
         raster->face[i] = GD_NONE;
     }
     for (uint32_t i = first; i < end && !status; i++) {
-        work += FACE_WORK + fill_face(raster, raster->faces[i], first_row, end_row);
+        work += FACE_WORK + fill_face(raster, faces ? faces[i] : i, first_row, end_row);
         if (work < CHECK_INTERVAL) continue;
         status = gd_control_check(control, (double)(i - first) / (end - first));
         work = 0;
@@ -134,24 +188,12 @@ struct span {
     uint32_t from, to; /* the bands [from, to) that the face meets; none if both are equal */
 };
 
-/* Returns twice the area of a face in the picture; positive if the face is seen from outside. */
-static double area_of(const struct gd__screen_point *a, const struct gd__screen_point *b,
-                      const struct gd__screen_point *c)
+static struct span bands_of(const struct gd__raster *raster, uint32_t face)
 {
-    return ((double)c->x - a->x) * ((double)b->y - a->y) -
-           ((double)b->x - a->x) * ((double)c->y - a->y);
-}
-
-static struct span raster_span_of(const struct gd__raster *raster, uint32_t face, bool is_closed)
-{
-    uint32_t v[3], grid = raster->grid, most = raster->height * grid, rows = raster->rows * grid;
-    gd__corners(raster->mesh, face, v);
-    const struct gd__screen_point *a = &raster->points[v[0]], *b = &raster->points[v[1]],
-                                  *c = &raster->points[v[2]];
-    if (is_closed && area_of(a, b, c) <= 0) return (struct span){0, 0};
-    uint32_t from = samples_below((double)fminf(a->y, fminf(b->y, c->y)) * grid, most),
-             to = samples_below((double)fmaxf(a->y, fmaxf(b->y, c->y)) * grid, most);
-    return from == to ? (struct span){0, 0} : (struct span){from / rows, (to - 1) / rows + 1};
+    uint32_t height = raster->rows * raster->grid;
+    struct rows rows = rows_of(raster, face);
+    if (rows.from == rows.to) return (struct span){0, 0};
+    return (struct span){rows.from / height, (rows.to - 1) / height + 1};
 }
 
 /* Counts the faces of each band in first[band], and their sum in *total. */
@@ -159,11 +201,10 @@ static enum gd_status count_faces(struct gd__raster *raster, const struct gd_con
                                   uint64_t *total)
 {
     const struct gd_mesh *mesh = raster->mesh;
-    bool is_closed = gd_mesh_summary(mesh)->boundaries == 0;
     enum gd_status status = GD_OK;
     for (uint32_t b = 0; b <= raster->bands; b++) raster->first[b] = 0;
     for (uint32_t f = 0; f < mesh->face_count && !status; f++) {
-        struct span span = raster_span_of(raster, f, is_closed);
+        struct span span = bands_of(raster, f);
         for (uint32_t b = span.from; b < span.to; b++) raster->first[b]++;
         *total += span.to - span.from;
         if (f % FACES_A_CHECK == 0) status = gd_control_check(control, 0);
@@ -176,7 +217,6 @@ static enum gd_status list_faces(struct gd__raster *raster, struct gd__arena *ar
                                  const struct gd_control *control)
 {
     const struct gd_mesh *mesh = raster->mesh;
-    bool is_closed = gd_mesh_summary(mesh)->boundaries == 0;
     uint32_t *next = raster->first;
     uint64_t total = 0;
     enum gd_status status = count_faces(raster, control, &total);
@@ -186,7 +226,7 @@ static enum gd_status list_faces(struct gd__raster *raster, struct gd__arena *ar
     if (!raster->faces) return arena->status;
     for (uint32_t b = 1; b <= raster->bands; b++) next[b] += next[b - 1];
     for (uint32_t f = mesh->face_count; f-- > 0 && !status;) {
-        struct span span = raster_span_of(raster, f, is_closed);
+        struct span span = bands_of(raster, f);
         for (uint32_t b = span.from; b < span.to; b++) raster->faces[--next[b]] = f;
         if (f % FACES_A_CHECK == 0) status = gd_control_check(control, 0);
     }
@@ -201,8 +241,10 @@ enum gd_status gd__raster_open(struct gd__raster *raster, struct gd__arena *aren
     if (raster->rows > raster->height) raster->rows = raster->height;
     size_t samples = (size_t)raster->rows * raster->width * raster->grid * raster->grid;
     raster->bands = (raster->height + raster->rows - 1) / raster->rows;
+    raster->is_closed = gd_mesh_summary(raster->mesh)->boundaries == 0;
     raster->first = gd__arena_take(arena, raster->bands + (size_t)1, sizeof *raster->first);
     raster->depth = gd__arena_large(arena, samples, sizeof *raster->depth);
     raster->face = gd__arena_large(arena, samples, sizeof *raster->face);
-    return arena->status ? arena->status : list_faces(raster, arena, control);
+    if (arena->status) return arena->status;
+    return raster->bands > 1 ? list_faces(raster, arena, control) : GD_OK;
 }

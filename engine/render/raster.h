@@ -26,15 +26,17 @@ struct gd__raster {
     uint32_t grid;                         /* a power of two, at most 4 */
     uint32_t rows;                         /* pixel rows in a band; the last band may have fewer */
     uint32_t bands;
-    /* the faces of band b are faces[first[b]] to faces[first[b + 1] - 1] */
+    bool is_closed; /* true if faces that are seen from behind are hidden */
+    /* the faces of band b are faces[first[b]] to faces[first[b + 1] - 1]; NULL means that there is
+       one band, which may have all faces */
     uint32_t *first, *faces;
     /* depths of the last filled band, in rows of width * grid samples; INFINITY means no face */
     float *depth;
     uint32_t *face; /* faces of those samples; GD_NONE means no face */
 };
 
-/* Opens a raster with arrays in the arena and lists the faces of its bands; if the surface is
- * closed, the lists omit faces that are seen from behind. Errors: GD_NO_MEMORY, GD_BUDGET,
+/* Opens a raster with arrays in the arena and lists the faces of its bands. If the surface is
+ * closed, faces that are seen from behind are omitted. Errors: GD_NO_MEMORY, GD_BUDGET,
  * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__raster_open(struct gd__raster *raster, struct gd__arena *arena,
                                            const struct gd_control *control);
