@@ -12,6 +12,8 @@ struct chain {
        mesh */
     const struct gd_mesh *mesh;
     struct gd_edited made; /* result of the steps so far, empty before the first step */
+    /* number of faces of `made` that are certainly faces of the original mesh; they come first */
+    uint32_t kept;
     struct gd__share share;
 };
 
@@ -75,6 +77,15 @@ static enum gd_status rebuild(struct chain *chain, struct gd_detail *detail)
     return GD_OK;
 }
 
+/* Returns the number of first faces of a step's result that are faces of the original mesh. */
+static uint32_t kept_after(const struct chain *chain, const struct gd_edit_step *step,
+                           const struct gd_edited *made)
+{
+    bool has_kept_all = chain->kept == gd__edit_counts(chain->mesh).faces;
+    if (has_kept_all && step->kind == GD_EDIT_COMPONENTS) return made->polygons.polygon_count;
+    return has_kept_all && step->kind == GD_EDIT_FILL ? chain->kept : 0;
+}
+
 /* Returns the number of rounds of a step: each level of a subdivision is a round. */
 static uint32_t rounds(const struct gd_edit_step *step)
 {
@@ -95,6 +106,7 @@ static enum gd_status chain_step(struct chain *chain, const struct gd_edit_step 
         gd_edited_free(&made);
         return status;
     }
+    chain->kept = kept_after(chain, step, &made);
     gd_edited_free(&chain->made);
     chain->made = made;
     return GD_OK;
@@ -111,8 +123,7 @@ static enum gd_status chain_run(struct chain *chain, const struct gd_edit_step *
     /* gd_simplify has already measured the distance */
     if (status || (count == 1 && steps->kind == GD_EDIT_SIMPLIFY)) return status;
     struct gd_control control = gd__share_control(&chain->share, chain->made.bytes);
-    return gd_edit_deviation(chain->original, &chain->made.polygons, &control,
-                             &chain->made.largest_distance, detail);
+    return gd__edited_measure(&chain->made, chain->original, chain->kept, &control, detail);
 }
 
 static enum gd_status check_steps(const struct gd_edit_step *steps, uint32_t count, uint32_t *total,
@@ -142,6 +153,7 @@ enum gd_status gd_edit_apply(const struct gd_mesh *mesh, const struct gd_edit_st
     if (status) return status;
     chain.share.total = 2 * total + 1;
     chain.mesh = gd_mesh_retain(mesh);
+    chain.kept = gd__edit_counts(mesh).faces;
     status = chain_run(&chain, steps->items, steps->count, detail);
     gd_mesh_release(chain.mesh);
     if (status)

@@ -55,7 +55,7 @@ static void walk(struct farthest *farthest, uint32_t face)
     while (farthest->search.limit >= 0 && farthest->best < before) {
         before = farthest->best;
         const uint32_t *side = mesh->face_side[farthest->face];
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3 && farthest->search.limit >= 0; k++) {
             uint32_t across = mesh->side_face[side[k] ^ 1];
             if (across != GD_NONE) visit_face(&farthest->search, across);
         }
@@ -96,15 +96,17 @@ static double measure_vertices(const struct gd_mesh *from, const struct gd_mesh 
     return farthest_distance(&farthest);
 }
 
-/* Returns the largest distance from `to` among the middles of faces and edges of `from`, or
- * `largest` if that is larger. */
-static double measure_middles(const struct gd_mesh *from, const struct gd_mesh *to, double largest,
+/* Returns the largest distance from `to` among the middles of faces of `from`, without the first
+ * `kept` faces, and of the edges of these faces. */
+static double measure_middles(const struct gd_mesh *from, const struct gd_mesh *to, uint32_t kept,
                               struct gd__pace *pace)
 {
-    struct farthest farthest = farthest_from(to, largest);
+    struct farthest farthest = farthest_from(to, 0);
     double scale = from->unit / to->unit;
-    for (uint32_t f = 0; f < from->face_count && gd__pace(pace, 3 * STEPS_A_SEARCH); f++) {
+    for (uint32_t f = 0; f < from->face_count; f++) {
         struct gd_vec3 sum = {0};
+        if (from->index_of_face[f] < kept) continue;
+        if (!gd__pace(pace, 3 * STEPS_A_SEARCH)) break;
         for (int k = 0; k < 3; k++) {
             uint32_t side = from->face_side[f][k];
             struct gd_vec3 p = from->position[from->origin[side]];
@@ -118,21 +120,46 @@ static double measure_middles(const struct gd_mesh *from, const struct gd_mesh *
     return farthest_distance(&farthest);
 }
 
-enum gd_status gd_edit_deviation(const struct gd_mesh *mesh, const struct gd_polygons *edited,
-                                 const struct gd_control *control, double *out,
-                                 struct gd_detail *detail)
+/* Measures the distance of `made`, whose first `kept` faces are faces of `mesh`. */
+static enum gd_status measure_both(const struct gd_mesh *mesh, const struct gd_mesh *made,
+                                   uint32_t kept, const struct gd_control *control, double *out)
+{
+    struct gd__pace pace = {.control = control, .fraction = 0};
+    double largest = measure_middles(made, mesh, kept, &pace);
+    pace.fraction = 0.3;
+    if (kept < mesh->face_count) largest = measure_vertices(mesh, made, largest, &pace);
+    if (!pace.status) *out = largest;
+    return pace.status;
+}
+
+enum gd_status gd__edited_measure(struct gd_edited *edited, const struct gd_mesh *mesh,
+                                  uint32_t kept, const struct gd_control *control,
+                                  struct gd_detail *detail)
 {
     struct gd__share share = {.control = control, .total = 2};
     struct gd_control part = gd__share_control(&share, 0);
     struct gd_mesh *made;
-    enum gd_status status = gd_mesh_build(edited, NULL, &part, &made, detail);
+    if (kept == mesh->face_count && kept == edited->polygons.polygon_count) return GD_OK;
+    enum gd_status status = gd_mesh_build(&edited->polygons, NULL, &part, &made, detail);
     if (status) return status;
     share.done = 1;
-    struct gd__pace pace = {.control = &part, .fraction = 0};
-    double largest = measure_middles(made, mesh, 0, &pace);
-    pace.fraction = 0.3;
-    largest = measure_vertices(mesh, made, largest, &pace);
-    gd_mesh_release(made);
-    if (!pace.status) *out = largest;
-    return pace.status;
+    status = measure_both(mesh, made, kept, &part, &edited->largest_distance);
+    if (status) {
+        gd_mesh_release(made);
+        return status;
+    }
+    edited->mesh = made;
+    edited->bytes += gd_mesh_memsize(made);
+    return GD_OK;
+}
+
+enum gd_status gd_edit_deviation(const struct gd_mesh *mesh, const struct gd_polygons *edited,
+                                 const struct gd_control *control, double *out,
+                                 struct gd_detail *detail)
+{
+    struct gd_edited own = {.polygons = *edited};
+    enum gd_status status = gd__edited_measure(&own, mesh, 0, control, detail);
+    gd_mesh_release(own.mesh);
+    if (!status) *out = own.largest_distance;
+    return status;
 }

@@ -71,6 +71,7 @@ void gd_edited_free(struct gd_edited *edited)
     if (!edited) return;
     gd_polygons_free(&edited->polygons);
     free(edited->origins);
+    gd_mesh_release(edited->mesh);
     *edited = (struct gd_edited){0};
 }
 
@@ -113,12 +114,13 @@ void gd__edited_copy(struct gd_edited *edited, const struct gd_mesh *mesh, uint3
                      struct gd__pace *pace)
 {
     uint32_t *corner = edited->polygons.corners, count = 0;
-    for (uint32_t i = 0; i < mesh->summary.index_count && gd__pace(pace, 8); i++) {
+    for (uint32_t i = 0; i < mesh->summary.index_count && gd__pace(pace, 1); i++) {
         uint32_t v = gd__edit_vertex(mesh, i);
-        if (v == GD_NONE) continue;
-        gd__edited_keep(edited, count, mesh, v);
-        number[v] = count++;
+        if (v != GD_NONE) number[v] = count++;
     }
+    /* vertices in internal order lie close together in memory */
+    for (uint32_t v = 0; v < mesh->vertex_count && gd__pace(pace, 8); v++)
+        gd__edited_keep(edited, number[v], mesh, v);
     for (uint32_t i = 0; i < mesh->summary.face_index_count && gd__pace(pace, 1); i++) {
         uint32_t f = gd__edit_face(mesh, i);
         if (f == GD_NONE) continue;

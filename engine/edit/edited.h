@@ -64,6 +64,13 @@ struct gd__pace;
 void gd__edited_copy(struct gd_edited *edited, const struct gd_mesh *mesh, uint32_t *number,
                      struct gd__pace *pace);
 
+/* Measures edited->largest_distance. The first `kept` faces of the result must be faces of the
+ * mesh, and all of them if `kept` is their number. If there is anything to measure, builds
+ * edited->mesh. Errors: those of gd_edit_deviation. */
+GD_MUST_USE enum gd_status gd__edited_measure(struct gd_edited *edited, const struct gd_mesh *mesh,
+                                              uint32_t kept, const struct gd_control *control,
+                                              struct gd_detail *detail);
+
 /* Converts a point of the mesh to an origin. */
 struct gd_origin gd__origin_of(const struct gd_mesh *mesh, const struct gd_point *point);
 

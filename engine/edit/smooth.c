@@ -50,19 +50,21 @@ static void fix_vertices(struct smoothing *smoothing)
 static struct gd_vec3 moved(const struct smoothing *smoothing, uint32_t vertex)
 {
     const struct gd_mesh *mesh = smoothing->mesh;
+    enum gd_smooth_direction direction = smoothing->options->direction;
     struct gd_vec3 p = smoothing->place[vertex], sum = {0}, normal = {0};
     uint32_t first = mesh->fan_first[vertex], end = mesh->fan_first[vertex + 1];
     for (uint32_t i = first; i < end; i++) {
         uint32_t face = mesh->side_face[mesh->fan[i].side];
         sum = gd_vec3_add(sum, smoothing->place[mesh->fan[i].tip]);
+        if (direction == GD_SMOOTH_BOTH) continue;
         normal = gd_vec3_add(normal, face_normal(mesh, smoothing->place, face));
     }
     struct gd_vec3 way = gd_vec3_sub(gd_vec3_scale(sum, 1.0 / (end - first)), p);
     double square = gd_vec3_dot(normal, normal);
     struct gd_vec3 along =
         square > 0 ? gd_vec3_scale(normal, gd_vec3_dot(way, normal) / square) : (struct gd_vec3){0};
-    if (smoothing->options->direction == GD_SMOOTH_TANGENTIAL) way = gd_vec3_sub(way, along);
-    if (smoothing->options->direction == GD_SMOOTH_NORMAL) way = along;
+    if (direction == GD_SMOOTH_TANGENTIAL) way = gd_vec3_sub(way, along);
+    if (direction == GD_SMOOTH_NORMAL) way = along;
     return gd_vec3_add(p, gd_vec3_scale(way, STEP));
 }
 

@@ -28,12 +28,14 @@ struct gd_edited {
     struct gd_polygons polygons; /* triangles; every position is a corner of a triangle */
     struct gd_origin *origins;   /* one origin for each position */
     /* largest distance between result and input, in the input's unit, measured by
-       gd_edit_deviation */
+       gd_edit_deviation; 0 if gd_edit_apply knows that all faces are faces of the input */
     double largest_distance;
-    size_t bytes; /* total size of the arrays */
+    /* the mesh of `polygons`, if gd_edit_apply built it to measure the distance; otherwise NULL */
+    struct gd_mesh *mesh;
+    size_t bytes; /* total size of the arrays and of the mesh */
 };
 
-/* Frees the arrays and zeroes the struct. NULL is allowed. */
+/* Frees the arrays, releases the mesh and zeroes the struct. NULL is allowed. */
 void gd_edited_free(struct gd_edited *edited);
 
 /* Computes the largest sampled distance between two surfaces: from the vertices of `mesh` to
@@ -174,7 +176,8 @@ struct gd_edit_steps {
 
 /* Applies the steps in order. The origins of the result are points of `mesh`: kept vertices keep
  * their origins, and the origin of a new vertex is the nearest point of `mesh`. `largest_distance`
- * is measured between the result and `mesh`. The caller frees `*out` by gd_edited_free. Errors:
+ * is measured between the result and `mesh`; faces that components and fill have kept are not
+ * measured. The caller frees `*out` by gd_edited_free. Errors:
  * those of the steps; GD_INVALID_ARGUMENT (no steps, or too many); those of gd_mesh_build if the
  * result of a step is not a valid mesh. Thread-safe. */
 GD_MUST_USE enum gd_status gd_edit_apply(const struct gd_mesh *mesh,

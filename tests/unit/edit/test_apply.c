@@ -45,6 +45,40 @@ static void origins_go_back_to_the_first_mesh(void **state)
     gd_mesh_release(mesh);
 }
 
+/* The distance is the same as that of gd_edit_deviation, which measures all faces. */
+static void kept_faces_are_not_measured(void **state)
+{
+    (void)state;
+    struct gd_mesh *tube = test_sample("cylinder", (double[SAMPLE_PARAMETERS]){1, 2, 20, 4}, NULL),
+                   *spheres = separate_spheres((const double[]){1, 3}, 2);
+    const struct gd_edit_step fill = {.kind = GD_EDIT_FILL, .fill = {GD_FILL_EDGES}},
+                              smooth = {.kind = GD_EDIT_SMOOTH, .smooth = {2, GD_SMOOTH_BOTH, 1}},
+                              one = {.kind = GD_EDIT_COMPONENTS, .components = {.keep = 1}},
+                              all = {.kind = GD_EDIT_COMPONENTS, .components = {.keep = 2}};
+    const struct {
+        const struct gd_mesh *mesh;
+        struct gd_edit_step steps[2];
+        uint32_t count;
+        bool is_measured;
+    } cases[] = {{tube, {fill}, 1, true},           {tube, {smooth, fill}, 2, true},
+                 {tube, {fill, all}, 2, true},      {tube, {all, all}, 2, false},
+                 {spheres, {one}, 1, true},         {spheres, {one, fill}, 2, true},
+                 {spheres, {one, smooth}, 2, true}, {spheres, {all, fill}, 2, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct gd_edited edited = applied(cases[i].mesh, cases[i].steps, cases[i].count);
+        double distance;
+        check_ok(gd_edit_deviation(cases[i].mesh, &edited.polygons, NULL, &distance, NULL), NULL);
+        assert_int_equal(edited.mesh != NULL, cases[i].is_measured);
+        assert_true(edited.largest_distance == (cases[i].is_measured ? distance : 0));
+        assert_true(distance < 1e-14 || cases[i].is_measured);
+        if (edited.mesh)
+            assert_int_equal(gd_mesh_summary(edited.mesh)->faces, edited.polygons.polygon_count);
+        gd_edited_free(&edited);
+    }
+    gd_mesh_release(tube);
+    gd_mesh_release(spheres);
+}
+
 static void steps_are_checked(void **state)
 {
     (void)state;
@@ -92,6 +126,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_step),
         cmocka_unit_test(origins_go_back_to_the_first_mesh),
+        cmocka_unit_test(kept_faces_are_not_measured),
         cmocka_unit_test(steps_are_checked),
         cmocka_unit_test(budget_deadline_and_cancel),
     };
