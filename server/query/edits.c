@@ -44,6 +44,17 @@ void server_edits_free(struct server_edits *edits)
     edits->held = 0;
 }
 
+void server_edits_drop_mesh(struct server_edits *edits)
+{
+    struct gd_edited *edited = &edits->edited;
+    size_t bytes = edited->mesh ? gd_mesh_memsize(edited->mesh) : 0;
+    gd_mesh_release(edited->mesh);
+    edited->mesh = NULL;
+    edited->bytes -= bytes;
+    edits->held -= bytes;
+    server_budget_give(edits->budget, SERVER_BUDGET_FLIGHT, bytes);
+}
+
 /* --- the attachment --------------------------------------------------------------------------- */
 
 static void write_origins(const struct gd_edited *edited, struct server_derived *derived)
@@ -87,7 +98,9 @@ bool server_edits_add(const struct server_edits *edits, const struct gd_edited *
     struct server_attachment attachment;
     if (!server_attachment_create(&attachment, size, edits->budget, problem)) return false;
     if (write_derived(edits, edited, attachment.bytes))
-        return server_derived_meshes_add(meshes, name, &edited->polygons, &attachment, problem);
+        return server_derived_meshes_add(
+            meshes, name,
+            &(struct server_derived_source){&edited->polygons, edited->mesh, &attachment}, problem);
     server_attachment_free(&attachment, edits->budget);
     return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
 }
@@ -98,6 +111,7 @@ static bool split(struct server_edits *edits, struct server_monitor *part,
 {
     const struct gd_control control = server_exchange_control(part);
     struct gd_detail detail = {.text = ""};
+    server_edits_drop_mesh(edits);
     size_t cost = 2 * edits->edited.bytes;
     if (!server_budget_take(edits->budget, SERVER_BUDGET_FLIGHT, cost))
         return server_budget_refuse(edits->budget, "the meshes", cost, problem);

@@ -24,6 +24,9 @@ struct server_edits {
 bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
                       struct proto_problem *problem);
 
+/* Releases the mesh of the result, if it was built and is not needed any more. */
+void server_edits_drop_mesh(struct server_edits *edits);
+
 /* Adds a mesh to be stored under that name: the result or a part of it. On failure, returns false
  * with the problem. */
 bool server_edits_add(const struct server_edits *edits, const struct gd_edited *edited,

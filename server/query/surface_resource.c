@@ -31,7 +31,7 @@ static bool record_describe(struct server_surface *surface)
 
 struct server_surface *server_surface_resource_build(struct server_monitor *part,
                                                      struct server_record *record,
-                                                     const void *bytes, void *attachment,
+                                                     const struct server_surface_source *source,
                                                      struct proto_problem *problem)
 {
     struct server_host *host = part->exchange->host;
@@ -41,16 +41,17 @@ struct server_surface *server_surface_resource_build(struct server_monitor *part
                                            .control = server_exchange_control(part),
                                            .workers = host->workers,
                                            .record = record,
-                                           .bytes = bytes,
+                                           .bytes = source->bytes,
+                                           .mesh = source->mesh,
                                            .problem = problem};
     struct server_surface *surface;
     if (server_build_surface(&builder, &surface)) {
-        if (attachment)
+        if (source->attachment)
             server_budget_give(host->budget, SERVER_BUDGET_FLIGHT, (size_t)record->attachment_size);
-        free(attachment);
+        free(source->attachment);
         return NULL;
     }
-    if (attachment) server_surface_attach(surface, attachment);
+    if (source->attachment) server_surface_attach(surface, source->attachment);
     if (record_describe(surface)) return surface;
     server_surface_release(surface);
     proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
@@ -207,22 +208,25 @@ static enum gd_status draft_record(const struct server_exchange *exchange,
 }
 
 bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char *name,
-                               const struct gd_polygons *polygons,
-                               const struct server_attachment *attachment,
+                               const struct server_derived_source *source,
                                struct proto_problem *problem)
 {
+    const struct server_attachment *attachment = source->attachment;
     struct server_monitor monitor = {.exchange = meshes->exchange};
     const struct gd_control control = server_exchange_control(&monitor);
     struct draft draft = {.name = name, .attachment = attachment};
     struct server_record *record = NULL;
     struct server_surface *surface = NULL;
-    bool is_written = draft_write(&draft, meshes, polygons, &control, problem);
+    bool is_written = draft_write(&draft, meshes, source->polygons, &control, problem);
     enum gd_status status =
         is_written ? draft_record(meshes->exchange, &draft, &control, &record) : GD_OK;
     if (status) proto_problem_from_status(problem, status, NULL);
     if (record)
-        surface = server_surface_resource_build(&monitor, record, draft.file,
-                                                attachment ? attachment->bytes : NULL, problem);
+        surface = server_surface_resource_build(
+            &monitor, record,
+            &(struct server_surface_source){draft.file, source->mesh,
+                                            attachment ? attachment->bytes : NULL},
+            problem);
     else if (attachment)
         server_attachment_free(attachment, meshes->exchange->host->budget);
     server_record_release(record);

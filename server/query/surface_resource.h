@@ -7,13 +7,18 @@
 #include "server/exchange/exchange.h"
 #include "server/surfaces/registry.h"
 
-/* Builds the surface of a record from the bytes of its file, and stores the description in the
- * record. `part` monitors the build as a part of the exchange's progress. `attachment` (may be
- * NULL) is malloc'ed and counted as SERVER_BUDGET_FLIGHT; the call owns it, even when it fails. On
- * failure, returns NULL with the problem. */
+struct server_surface_source {
+    const void *bytes;          /* the file; borrowed */
+    const struct gd_mesh *mesh; /* the mesh of the file, if it is built already; otherwise NULL */
+    void *attachment;           /* malloc'ed and counted as SERVER_BUDGET_FLIGHT; may be NULL */
+};
+
+/* Builds the surface of a record from its file, and stores the description in the record. `part`
+ * monitors the build as a part of the exchange's progress. The call owns the attachment, even when
+ * it fails. On failure, returns NULL with the problem. */
 struct server_surface *server_surface_resource_build(struct server_monitor *part,
                                                      struct server_record *record,
-                                                     const void *bytes, void *attachment,
+                                                     const struct server_surface_source *source,
                                                      struct proto_problem *problem);
 
 /* Writes the description: the current one if the surface is in memory, otherwise that in the
@@ -36,7 +41,7 @@ void server_surface_resource_reply_stored(struct server_exchange *exchange,
  * discretization. They are resources like uploaded meshes, and equally durable.
  *
  *     meshes.exchange = exchange;                                 a worker
- *     server_derived_meshes_add(&meshes, name, &polygons, …);     the worker, for each mesh
+ *     server_derived_meshes_add(&meshes, name, &source, …);       the worker, for each mesh
  *     return server_request_write(exchange, store);
  *     server_derived_meshes_store(&meshes);                       in `store`
  *     server_derived_meshes_free(&meshes);                        when the state is freed
@@ -74,13 +79,18 @@ struct server_derived_meshes {        /* all zero at first */
 
 void server_derived_meshes_free(struct server_derived_meshes *meshes); /* accepts all zero */
 
-/* Builds a mesh to be stored under that name of the exchange's tenant. Borrows the polygons. Takes
- * over the bytes of the attachment (may be NULL), even when it fails. Returns false with the
- * problem in these cases: the name is invalid or repeated, the polygons are not a mesh or are too
- * large, there are more than SERVER_DERIVED_MESHES_MOST meshes, or memory is short. */
+struct server_derived_source { /* all borrowed */
+    const struct gd_polygons *polygons;
+    const struct gd_mesh *mesh; /* their mesh, if it is built already; otherwise NULL */
+    const struct server_attachment *attachment; /* NULL means that there is none */
+};
+
+/* Builds a mesh to be stored under that name of the exchange's tenant. Takes over the bytes of the
+ * attachment, even when it fails. Returns false with the problem in these cases: the name is
+ * invalid or repeated, the polygons are not a mesh or are too large, there are more than
+ * SERVER_DERIVED_MESHES_MOST meshes, or memory is short. */
 bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char *name,
-                               const struct gd_polygons *polygons,
-                               const struct server_attachment *attachment,
+                               const struct server_derived_source *source,
                                struct proto_problem *problem);
 
 /* Stores all meshes, and replaces surfaces of the same names. Returns CREATED if all names were

@@ -232,8 +232,19 @@ static void mesh_suggest_split(const struct build *build, enum gd_status status)
                        : ", or upload with ?repair=split");
 }
 
+/* Shares the mesh that is built already. */
+static enum gd_status mesh_share(const struct server_builder *builder, struct server_built *out)
+{
+    size_t bytes = gd_mesh_memsize(builder->mesh);
+    enum gd_status status = server_build_take(builder, bytes);
+    if (!status) *out = (struct server_built){gd_mesh_retain(builder->mesh), bytes};
+    return status;
+}
+
 static enum gd_status mesh_build(const struct server_builder *builder, struct server_built *out)
 {
+    if (builder->mesh && gd_mesh_summary(builder->mesh)->faces <= builder->max_faces)
+        return mesh_share(builder, out);
     struct build build = {.builder = builder, .mesh_options.format = GD_FORMAT_ANY};
     struct server_options text;
     /* can't fail, because the options were checked at the upload */

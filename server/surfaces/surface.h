@@ -97,6 +97,8 @@ struct server_builder { /* all borrowed */
     struct server_workers *workers; /* help to build a large surface */
     struct server_record *record;
     const void *bytes; /* the record->size bytes of its file */
+    /* the mesh of the file, if it is built already; otherwise NULL */
+    const struct gd_mesh *mesh;
     /* NULL, or the owner of `bytes`, which a build frees as soon as it has read them */
     void **file;
     struct proto_problem *problem;

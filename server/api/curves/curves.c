@@ -337,8 +337,8 @@ static bool pieces_build(struct cut_query *cut)
             return proto_problem_refuse(
                 cut->own.query.problem, "/names",
                 "the mesh's name is too long to be numbered; name the pieces");
-        if (!server_derived_meshes_add(&cut->meshes, name, &cut->cut.pieces[i].polygons, NULL,
-                                       cut->own.query.problem))
+        const struct server_derived_source source = {.polygons = &cut->cut.pieces[i].polygons};
+        if (!server_derived_meshes_add(&cut->meshes, name, &source, cut->own.query.problem))
             return false;
     }
     return true;

@@ -154,8 +154,11 @@ static bool meshing_add(struct meshing *meshing, const struct mesher *mesher)
     strcpy(head->etag, record->etag);
     enum gd_status status = mesher->write(meshing, &control, head);
     if (!status)
-        return server_derived_meshes_add(&meshing->meshes, mesher->name, mesher->polygons,
-                                         &attachment, problem);
+        return server_derived_meshes_add(
+            &meshing->meshes, mesher->name,
+            &(struct server_derived_source){.polygons = mesher->polygons,
+                                            .attachment = &attachment},
+            problem);
     server_attachment_free(&attachment, budget);
     return proto_problem_from_status(problem, status, NULL);
 }

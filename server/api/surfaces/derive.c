@@ -84,6 +84,7 @@ static enum server_query_turn end_with_file(struct derivation *derivation)
     const struct gd_control control = server_exchange_control(&part);
     const struct gd_polygons *polygons = &derivation->edits.edited.polygons;
     size_t cost = file_cost(polygons);
+    server_edits_drop_mesh(&derivation->edits);
     enum gd_status status = server_query_take(query, cost);
     if (!status)
         status = gd_write_polygons_within(polygons, derivation->wanted.format, &control,

@@ -216,8 +216,9 @@ static bool upload_build(struct server_exchange *exchange)
     struct proto_problem problem;
     if (!upload_identify(exchange, upload) || !upload_compare(exchange, upload)) return true;
     if (!upload->surface)
-        upload->surface = server_surface_resource_build(&part, upload->record, exchange->body.bytes,
-                                                        NULL, &problem);
+        upload->surface = server_surface_resource_build(
+            &part, upload->record, &(struct server_surface_source){.bytes = exchange->body.bytes},
+            &problem);
     bool is_built =
         upload->surface && (!upload->edits.count || upload_edit(exchange, upload, &problem));
     if (!server_reply_check(exchange, is_built, &problem)) return true;

@@ -43,9 +43,9 @@ static bool add_all(struct server_derived_meshes *making, struct proto_problem *
                 return false;
             memcpy(attachment.bytes, numbers, sizeof numbers);
         }
-        if (!server_derived_meshes_add(making, order.names[i], &polygons,
-                                       order.has_attachment ? &attachment : NULL, problem))
-            return false;
+        const struct server_derived_source source = {
+            .polygons = &polygons, .attachment = order.has_attachment ? &attachment : NULL};
+        if (!server_derived_meshes_add(making, order.names[i], &source, problem)) return false;
         positions[0][2] += 1; /* makes the next mesh different */
     }
     return true;
