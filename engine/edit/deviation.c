@@ -3,8 +3,10 @@
  * the largest distance so far. Consecutive samples lie close to each other. So each search begins
  * at the nearest face of the previous sample and first walks to nearer neighbours. The walk alone
  * serves most samples. */
-#include "base/pace.h"
+#include <stdatomic.h>
+
 #include "base/share.h"
+#include "base/slices.h"
 #include "edit/edited.h"
 #include "mesh/bvh.h"
 #include "mesh/closest_point.h"
@@ -84,40 +86,64 @@ static double farthest_distance(const struct farthest *farthest)
     return sqrt(farthest->largest) * farthest->mesh->unit;
 }
 
-/* Returns the largest distance from `to` among the vertices of `from`, or `largest` if that is
- * larger. */
-static double measure_vertices(const struct gd_mesh *from, const struct gd_mesh *to, double largest,
-                               struct gd__pace *pace)
+/* --- samples ---------------------------------------------------------------------------------- */
+
+/* The samples of a surface. Their slices are measured on several threads. A slice does not use the
+ * largest distance of the other slices, so that the result does not depend on the threads. */
+struct samples {
+    const struct gd_mesh *from, *to; /* the distances of `from` from `to` */
+    uint32_t kept;                   /* the first faces of `from` have no samples */
+    double before;                   /* smaller distances need not be found */
+    _Atomic double largest;
+};
+
+static void samples_raise(struct samples *samples, double distance)
 {
-    struct farthest farthest = farthest_from(to, largest);
-    double scale = from->unit / to->unit;
-    for (uint32_t v = 0; v < from->vertex_count && gd__pace(pace, STEPS_A_SEARCH); v++)
-        measure(&farthest, gd_vec3_scale(from->position[v], scale));
-    return farthest_distance(&farthest);
+    double largest = atomic_load(&samples->largest);
+    while (distance > largest &&
+           !atomic_compare_exchange_weak(&samples->largest, &largest, distance))
+        continue;
 }
 
-/* Returns the largest distance from `to` among the middles of faces of `from`, without the first
- * `kept` faces, and of the edges of these faces. */
-static double measure_middles(const struct gd_mesh *from, const struct gd_mesh *to, uint32_t kept,
-                              struct gd__pace *pace)
+/* Measures vertices of `from`. */
+static void measure_vertices(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
 {
-    struct farthest farthest = farthest_from(to, 0);
-    double scale = from->unit / to->unit;
-    for (uint32_t f = 0; f < from->face_count; f++) {
-        struct gd_vec3 sum = {0};
-        if (from->index_of_face[f] < kept) continue;
-        if (!gd__pace(pace, 3 * STEPS_A_SEARCH)) break;
-        for (int k = 0; k < 3; k++) {
-            uint32_t side = from->face_side[f][k];
-            struct gd_vec3 p = from->position[from->origin[side]];
-            struct gd_vec3 q = from->position[gd__side_destination(from, side)];
-            sum = gd_vec3_add(sum, p);
-            if (side % 2 == 0 || gd__side_is_boundary(from, side ^ 1))
-                measure(&farthest, gd_vec3_scale(gd_vec3_add(p, q), scale / 2));
-        }
-        measure(&farthest, gd_vec3_scale(sum, scale / 3));
+    struct samples *samples = context;
+    const struct gd_mesh *from = samples->from;
+    struct farthest farthest = farthest_from(samples->to, samples->before);
+    double scale = from->unit / samples->to->unit;
+    for (uint32_t v = begin; v < end && gd__pace(pace, STEPS_A_SEARCH); v++)
+        measure(&farthest, gd_vec3_scale(from->position[v], scale));
+    samples_raise(samples, farthest_distance(&farthest));
+}
+
+static void measure_face(struct farthest *farthest, const struct gd_mesh *from, uint32_t face)
+{
+    struct gd_vec3 sum = {0};
+    double scale = from->unit / farthest->mesh->unit;
+    for (int k = 0; k < 3; k++) {
+        uint32_t side = from->face_side[face][k];
+        struct gd_vec3 p = from->position[from->origin[side]];
+        struct gd_vec3 q = from->position[gd__side_destination(from, side)];
+        sum = gd_vec3_add(sum, p);
+        if (side % 2 == 0 || gd__side_is_boundary(from, side ^ 1))
+            measure(farthest, gd_vec3_scale(gd_vec3_add(p, q), scale / 2));
     }
-    return farthest_distance(&farthest);
+    measure(farthest, gd_vec3_scale(sum, scale / 3));
+}
+
+/* Measures the middles of faces of `from` and of their edges. */
+static void measure_middles(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    struct samples *samples = context;
+    const struct gd_mesh *from = samples->from;
+    struct farthest farthest = farthest_from(samples->to, samples->before);
+    for (uint32_t f = begin; f < end; f++) {
+        if (from->index_of_face[f] < samples->kept) continue;
+        if (!gd__pace(pace, 3 * STEPS_A_SEARCH)) break;
+        measure_face(&farthest, from, f);
+    }
+    samples_raise(samples, farthest_distance(&farthest));
 }
 
 /* Measures the distance of `made`, whose first `kept` faces are faces of `mesh`. */
@@ -125,10 +151,13 @@ static enum gd_status measure_both(const struct gd_mesh *mesh, const struct gd_m
                                    uint32_t kept, const struct gd_control *control, double *out)
 {
     struct gd__pace pace = {.control = control, .fraction = 0};
-    double largest = measure_middles(made, mesh, kept, &pace);
+    struct samples vertices = {.from = mesh, .to = made};
+    if (kept < mesh->face_count)
+        gd__slices_run(&pace, mesh->vertex_count, measure_vertices, &vertices);
     pace.fraction = 0.3;
-    if (kept < mesh->face_count) largest = measure_vertices(mesh, made, largest, &pace);
-    if (!pace.status) *out = largest;
+    struct samples middles = {.from = made, .to = mesh, .kept = kept, .before = vertices.largest};
+    gd__slices_run(&pace, made->face_count, measure_middles, &middles);
+    if (!pace.status) *out = fmax(vertices.largest, middles.largest);
     return pace.status;
 }
 

@@ -7,6 +7,9 @@
 #include "server/exchange/metrics.h"
 #include "server/surfaces/derived.h"
 #include "server/work/budgeted_call.h"
+#include "server/work/executor.h"
+
+#define SHARED_FACES 20000 /* two workers edit a mesh with more faces */
 
 static bool edits_fail(const struct server_edits *edits, enum gd_status status,
                        const struct gd_detail *detail, struct proto_problem *problem)
@@ -20,18 +23,22 @@ bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
 {
     struct server_host *host = part->exchange->host;
     const struct gd_mesh *mesh = edits->surface->mesh;
+    uint32_t faces = gd_mesh_summary(mesh)->faces;
     const struct gd_edit_steps steps = proto_edits_steps(&edits->edits);
     struct gd_detail detail = {.text = ""};
     struct server_budgeted_call call = {.workspaces = host->workspaces,
                                         .control = server_exchange_control(part),
-                                        .grant = gd_edit_cost(gd_mesh_summary(mesh)->faces),
+                                        .grant = gd_edit_cost(faces),
                                         .held = &edits->held};
     edits->budget = host->budget;
+    call.control.executor = server_executor_start(host->workers, faces > SHARED_FACES ? 2 : 1,
+                                                  part->exchange->job.deadline_ns);
     while (server_budgeted_call_next(&call)) {
         detail.text[0] = '\0'; /* removes the text of an earlier attempt that had less memory */
         call.status = gd_edit_apply(mesh, &steps, &call.control, &edits->edited, &detail);
         if (!call.status) call.kept = edits->edited.bytes;
     }
+    server_executor_stop(call.control.executor);
     if (!call.status) return true;
     server_metrics_count_status(host->metrics, call.status);
     return edits_fail(edits, call.status, &detail, problem);
