@@ -1,4 +1,5 @@
 #include "edits.h"
+#include "tests/support/two_threads.h"
 
 static double deviation(const struct gd_mesh *mesh, const struct gd_polygons *edited)
 {
@@ -45,6 +46,22 @@ static void middles_are_samples(void **state)
     gd_mesh_release(mesh);
 }
 
+/* The mesh has several slices of samples. */
+static void two_threads_measure_the_same(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    struct gd_mesh *mesh = test_sample("icosphere", (double[SAMPLE_PARAMETERS]){6, 1}, &polygons);
+    const struct gd_control control = {.executor = &two_threads};
+    for (uint32_t i = 0; i < polygons.position_count; i++)
+        polygons.positions[i][i % 3] *= 1 + 1e-3 * sin(i);
+    double distance;
+    check_ok(gd_edit_deviation(mesh, &polygons, &control, &distance, NULL), NULL);
+    assert_true(distance > 1e-4 && distance == deviation(mesh, &polygons));
+    gd_polygons_free(&polygons);
+    gd_mesh_release(mesh);
+}
+
 static void invalid_polygons_are_refused(void **state)
 {
     (void)state;
@@ -82,6 +99,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(known_distances),
         cmocka_unit_test(middles_are_samples),
+        cmocka_unit_test(two_threads_measure_the_same),
         cmocka_unit_test(invalid_polygons_are_refused),
         cmocka_unit_test(it_can_be_cancelled),
     };
