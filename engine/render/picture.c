@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "base/slices.h"
 #include "render/legend.h"
 #include "render/request.h"
 #include "render/shade.h"
@@ -35,7 +36,7 @@ struct subject {
 #define END_PART 0.1 /* weight of the visibility of each end */
 
 /* viewport in a picture of 240 x 180 pixels */
-static const struct gd__viewport sketch = {4, 4, 232, 172};
+static const struct gd__viewport small = {4, 4, 232, 172};
 
 struct angles {
     double azimuth, elevation; /* degrees */
@@ -46,85 +47,120 @@ static const struct angles angles[] = {{-30, 26},  {75, 26},  {-75, 26}, {30, 55
                                        {-120, 26}, {0, 75},   {165, 26}, {-165, 26}, {30, -26},
                                        {-30, -26}, {120, 55}, {-90, 55}, {120, -26}, {-120, -26}};
 
+/* number of views that are sketched at a time, if there are threads for them */
+enum { SKETCHES = 2, VIEWS = 1 + sizeof angles / sizeof *angles };
+
+struct sketch {
+    struct gd_vec3 direction;
+    struct gd__screen_point *points, *line;
+    double seen; /* visible fraction of the subject */
+};
+
 struct chooser {
     const struct gd_mesh *mesh;
     struct gd_vec3 up;
     const struct subject *subject;
     const struct gd__budget *budget;
-    struct gd__screen_point *points, *line;
+    struct sketch sketches[SKETCHES];
+    uint32_t sketch_count; /* number of sketches at a time */
 };
 
-static double path_seen(const struct chooser *chooser, const struct gd__depth_buffer *buffer)
+static double path_seen(const struct sketch *sketch, uint32_t count,
+                        const struct gd__depth_buffer *buffer)
 {
-    uint32_t count = chooser->subject->count;
-    return (1 - 2 * END_PART) * gd__depth_buffer_visibility(buffer, chooser->line, count) +
-           END_PART * gd__depth_buffer_visibility(buffer, chooser->line, 1) +
-           END_PART * gd__depth_buffer_visibility(buffer, chooser->line + count - 1, 1);
+    return (1 - 2 * END_PART) * gd__depth_buffer_visibility(buffer, sketch->line, count) +
+           END_PART * gd__depth_buffer_visibility(buffer, sketch->line, 1) +
+           END_PART * gd__depth_buffer_visibility(buffer, sketch->line + count - 1, 1);
 }
 
-static double points_seen(const struct chooser *chooser, const struct gd__depth_buffer *buffer)
+static double points_seen(const struct sketch *sketch, uint32_t count,
+                          const struct gd__depth_buffer *buffer)
 {
-    uint32_t count = chooser->subject->count;
     double sum = 0;
     for (uint32_t i = 0; i < count; i++)
-        sum += gd__depth_buffer_visibility(buffer, chooser->line + i, 1);
+        sum += gd__depth_buffer_visibility(buffer, sketch->line + i, 1);
     return sum / count;
 }
 
-static enum gd_status sketch_view(const struct chooser *chooser, const struct gd_control *control,
-                                  struct gd__raster *raster, struct gd__arena *arena, double *seen)
+static enum gd_status sketch_view(const struct subject *subject, struct sketch *sketch,
+                                  const struct gd_control *control, struct gd__raster *raster,
+                                  struct gd__arena *arena)
 {
     enum gd_status status = gd__raster_open(raster, arena, control);
     if (!status) status = gd__raster_fill(raster, 0, control);
     if (status) return status;
-    const struct gd__depth_buffer buffer = {.mesh = chooser->mesh,
-                                            .points = chooser->points,
+    const struct gd__depth_buffer buffer = {.mesh = raster->mesh,
+                                            .points = sketch->points,
                                             .width = raster->width,
                                             .height = raster->height,
                                             .depth = raster->depth,
                                             .face = raster->face};
-    *seen = chooser->subject->is_path ? path_seen(chooser, &buffer) : points_seen(chooser, &buffer);
+    sketch->seen = subject->is_path ? path_seen(sketch, subject->count, &buffer)
+                                    : points_seen(sketch, subject->count, &buffer);
     return GD_OK;
 }
 
-/* Computes how much of the path is visible from a direction. */
-static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 direction,
-                               const struct gd_control *control, double *seen)
+/* Computes how much of the subject is visible from the direction of a sketch. */
+static enum gd_status try_view(const struct chooser *chooser, struct sketch *sketch,
+                               const struct gd_control *control)
 {
     const struct gd_mesh *mesh = chooser->mesh;
-    struct gd__camera camera = gd__camera_aim(mesh, direction, chooser->up);
+    struct gd__camera camera = gd__camera_aim(mesh, sketch->direction, chooser->up);
     struct gd__arena arena = {.budget = *chooser->budget};
-    gd__camera_fit(&camera, mesh, NULL, 0, &sketch);
+    gd__camera_fit(&camera, mesh, NULL, 0, &small);
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
-        chooser->points[v] = gd__camera_project(&camera, mesh->position[v]);
+        sketch->points[v] = gd__camera_project(&camera, mesh->position[v]);
     for (uint32_t i = 0; i < chooser->subject->count; i++)
-        chooser->line[i] = gd__camera_project(&camera, chooser->subject->points[i]);
+        sketch->line[i] = gd__camera_project(&camera, chooser->subject->points[i]);
     struct gd__raster raster = {.mesh = mesh,
-                                .points = chooser->points,
-                                .width = (uint32_t)(sketch.width + 2 * sketch.left),
-                                .height = (uint32_t)(sketch.height + 2 * sketch.top),
+                                .points = sketch->points,
+                                .width = (uint32_t)(small.width + 2 * small.left),
+                                .height = (uint32_t)(small.height + 2 * small.top),
                                 .grid = 1,
                                 .rows = UINT32_MAX};
-    enum gd_status status = sketch_view(chooser, control, &raster, &arena, seen);
+    /* the samples of the other sketches */
+    arena.budget.held += (chooser->sketch_count - 1) * (size_t)raster.width * raster.height *
+                         (sizeof *raster.depth + sizeof *raster.face);
+    enum gd_status status = sketch_view(chooser->subject, sketch, control, &raster, &arena);
     gd__arena_free(&arena);
     return status;
 }
 
-static enum gd_status view_choose(const struct chooser *chooser, const struct gd_control *control,
+/* Tries the view of a sketch, which is a slice of its own. */
+static void try_slice(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    struct chooser *chooser = context;
+    enum gd_status status =
+        try_view(chooser, &chooser->sketches[begin / GD__PACE_STEPS], pace->control);
+    (void)end;
+    if (!pace->status) pace->status = status;
+}
+
+static struct gd_vec3 view_of(const struct chooser *chooser, uint32_t i)
+{
+    if (i == 0) return gd__view_direction(GD_VIEW_ISO, chooser->up);
+    return gd__view_from(angles[i - 1].azimuth * M_PI / 180, angles[i - 1].elevation * M_PI / 180,
+                         chooser->up);
+}
+
+static enum gd_status view_choose(struct chooser *chooser, const struct gd_control *control,
                                   struct gd_vec3 *out)
 {
-    struct gd_vec3 direction = gd__view_direction(GD_VIEW_ISO, chooser->up);
-    double seen, most = -1;
-    *out = direction;
-    for (uint32_t i = 0; i <= sizeof angles / sizeof *angles && most < ENOUGH; i++) {
-        if (i > 0)
-            direction = gd__view_from(angles[i - 1].azimuth * M_PI / 180,
-                                      angles[i - 1].elevation * M_PI / 180, chooser->up);
-        enum gd_status status = try_view(chooser, direction, control, &seen);
-        if (status) return status;
-        if (seen <= most + BETTER) continue;
-        most = seen;
-        *out = direction;
+    struct gd__pace pace = {.control = control};
+    double most = -1;
+    *out = view_of(chooser, 0);
+    for (uint32_t i = 0, count = 1; i < VIEWS && most < ENOUGH; i += count) {
+        /* the first view is often good enough */
+        count = i == 0 || i + 1 == VIEWS ? 1 : chooser->sketch_count;
+        for (uint32_t k = 0; k < count; k++)
+            chooser->sketches[k].direction = view_of(chooser, i + k);
+        gd__slices_run(&pace, count * GD__PACE_STEPS, try_slice, chooser);
+        if (pace.status) return pace.status;
+        for (uint32_t k = 0; k < count && most < ENOUGH; k++) {
+            if (chooser->sketches[k].seen <= most + BETTER) continue;
+            most = chooser->sketches[k].seen;
+            *out = chooser->sketches[k].direction;
+        }
     }
     return GD_OK;
 }
@@ -137,8 +173,12 @@ static enum gd_status direction_choose(const struct gd_mesh *mesh, struct gd_vec
                                        const struct gd_control *control, struct gd_vec3 *out)
 {
     struct chooser chooser = {.mesh = mesh, .up = up, .subject = subject, .budget = &arena->budget};
-    chooser.points = gd__arena_take(arena, mesh->vertex_count, sizeof *chooser.points);
-    chooser.line = gd__arena_take(arena, subject->count, sizeof *chooser.line);
+    chooser.sketch_count = control->executor ? SKETCHES : 1;
+    for (uint32_t k = 0; k < chooser.sketch_count; k++) {
+        struct sketch *sketch = &chooser.sketches[k];
+        sketch->points = gd__arena_take(arena, mesh->vertex_count, sizeof *sketch->points);
+        sketch->line = gd__arena_take(arena, subject->count, sizeof *sketch->line);
+    }
     return arena->status ? arena->status : view_choose(&chooser, control, out);
 }
 

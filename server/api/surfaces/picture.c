@@ -11,12 +11,15 @@
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/query.h"
+#include "server/work/executor.h"
 
 /* bytes that most pictures need */
 #define PICTURE_BYTES   ((size_t)8 << 20)
 #define BYTES_PER_FACE  100
 #define BYTES_PER_EDGE  32 /* bytes needed for each edge while an isoline is traced */
 #define BYTES_PER_PIXEL 32
+
+#define SHARED_FACES 20000 /* two workers draw a mesh with more faces */
 
 #define PATH_SHARE   0.3 /* shares of the work, for the progress of a job */
 #define LAYERS_SHARE 0.5
@@ -116,10 +119,14 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
                    (size_t)summary->faces * BYTES_PER_FACE +
                    (field ? (size_t)summary->edges * BYTES_PER_EDGE : 0);
     struct server_budgeted_call call = server_query_begin_call(query, &part, bytes);
+    call.control.executor =
+        server_executor_start(query->exchange->host->workers, summary->faces > SHARED_FACES ? 2 : 1,
+                              query->exchange->job.deadline_ns);
     while (server_budgeted_call_next(&call)) {
         call.status = format->render(wanted, &call.control, &picture->file, &picture->size);
         call.kept = picture->size;
     }
+    server_executor_stop(call.control.executor);
     if (call.status == GD_INVALID_ARGUMENT) {
         /* all other members have been checked */
         proto_problem_refuse(query->problem, wanted->target ? "/camera/target" : "/layers",

@@ -4,6 +4,8 @@
 
 #include "gd/control.h"
 #include "render/colour.h"
+#include "tests/samples/samples.h"
+#include "tests/support/two_threads.h"
 #include "tests/support/watch.h"
 
 /* --- areas ------------------------------------------------------------------------------------ */
@@ -389,6 +391,36 @@ static void the_control_is_checked(void **state)
     close_flat(&flat);
 }
 
+/* No direction shows most of the points, so all directions are tried. The points lie on one side
+ * for some rounds; then the search ends early. */
+static void two_threads_choose_the_same_view(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    struct gd_mesh *mesh = test_sample("icosphere", (double[SAMPLE_PARAMETERS]){3, 1}, &polygons);
+    const struct gd_control both = {.executor = &two_threads};
+    struct rng rng = {5};
+    for (int round = 0; round < 12; round++) {
+        struct gd_vec3 points[9];
+        for (int i = 0; i < 9; i++) {
+            const double *p = polygons.positions[rng_below(&rng, polygons.position_count)];
+            points[i] = (struct gd_vec3){p[0], round % 2 ? -fabs(p[1]) : p[1], p[2]};
+        }
+        const struct gd_picture_layer layer = {.points = points, .count = 9};
+        const struct gd_picture picture = {.mesh = mesh, .layers = &layer, .layer_count = 1};
+        void *one, *two;
+        size_t size, same;
+        check_ok(gd_picture_png(&picture, NULL, &one, &size), NULL);
+        check_ok(gd_picture_png(&picture, &both, &two, &same), NULL);
+        assert_int_equal(size, same);
+        assert_memory_equal(one, two, size);
+        free(one);
+        free(two);
+    }
+    gd_polygons_free(&polygons);
+    gd_mesh_release(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_triangle_has_its_area),
@@ -400,6 +432,7 @@ int main(void)
                                        cmocka_unit_test(invalid_pictures_are_refused),
                                        cmocka_unit_test(random_pictures),
                                        cmocka_unit_test(an_svg_has_lines_and_an_image),
-                                       cmocka_unit_test(the_control_is_checked)};
+                                       cmocka_unit_test(the_control_is_checked),
+                                       cmocka_unit_test(two_threads_choose_the_same_view)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
