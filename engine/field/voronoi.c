@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "base/slices.h"
 #include "field/voronoi_parts.h"
 
 /* The diagram: computes the owners of vertices, the owner changes along edges, the parts of
@@ -126,14 +127,27 @@ static bool is_reached(const struct gd__diagram *diagram, uint32_t edge)
     return diagram->members.of[diagram->mesh->origin[2 * edge]] != GD_NONE;
 }
 
+/* Makes gd__edge_is_mixed remember its results, which takes most of the time of a diagram. */
+static void find_mixtures(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    struct gd__diagram *diagram = context;
+    (void)pace;
+    for (uint32_t edge = begin; edge < end; edge++) {
+        gd__edge_prefetch(diagram, edge);
+        if (is_reached(diagram, edge)) (void)gd__edge_is_mixed(diagram, edge);
+    }
+}
+
 static enum gd_status find_owners(struct tracer *tracer, int round)
 {
     struct gd__diagram *diagram = &tracer->diagram;
     uint32_t edges = diagram->mesh->edge_count;
-    enum gd_status status = GD_OK;
+    struct gd__pace pace = {.control = tracer->control,
+                            .fraction = progress.switches * round / (ROUNDS_MOST + 1)};
     reset_owners(diagram);
+    gd__slices_run(&pace, edges, find_mixtures, diagram);
+    enum gd_status status = pace.status;
     for (uint32_t edge = 0; edge < edges && !status; edge++) {
-        gd__edge_prefetch(diagram, edge);
         if (!is_reached(diagram, edge) || !gd__edge_is_mixed(diagram, edge)) continue;
         status = check_work(tracer,
                             progress.switches * (round + (double)edge / edges) / (ROUNDS_MOST + 1));

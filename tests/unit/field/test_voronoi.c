@@ -5,6 +5,7 @@
 
 #include "tests/samples/samples.h"
 #include "tests/support/field.h"
+#include "tests/support/two_threads.h"
 #include "tests/support/watch.h"
 
 static const double promise = 1e-9;
@@ -312,6 +313,33 @@ static void many_seeds_in_a_face(void **state)
     gd_mesh_release(mesh);
 }
 
+/* The mesh has several slices of edges. */
+static void two_threads_trace_the_same(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = test_sample("icosphere", (double[SAMPLE_PARAMETERS]){6, 1}, NULL);
+    const struct gd_control both = {.executor = &two_threads};
+    struct gd_seed seeds[6] = {0};
+    for (int i = 0; i < 6; i++) seeds[i].point = test_point_near(mesh, sin(i), cos(i), 0.3 * i - 1);
+    struct gd_field *field;
+    const struct gd_field_request request = {.seeds = seeds, .seed_count = 6};
+    check_ok(gd_field_build(mesh, &request, NULL, &field, NULL), NULL);
+    struct gd_voronoi one, two;
+    check_ok(gd_voronoi_trace(field, NULL, 1e-3, NULL, &one), NULL);
+    check_ok(gd_voronoi_trace(field, NULL, 1e-3, &both, &two), NULL);
+    assert_int_equal(one.bisector_count, two.bisector_count);
+    for (uint32_t i = 0; i < one.bisector_count; i++) {
+        const struct gd_bisector *a = &one.bisectors[i], *b = &two.bisectors[i];
+        assert_int_equal(a->point_count, b->point_count);
+        assert_memory_equal(a->points, b->points, a->point_count * sizeof *a->points);
+    }
+    assert_true(one.bisector_count > 5);
+    gd_voronoi_free(&one);
+    gd_voronoi_free(&two);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+}
+
 static void refusals(void **state)
 {
     (void)state;
@@ -364,6 +392,7 @@ int main(void)
         cmocka_unit_test(members_without_a_region),
         cmocka_unit_test(ties_behind_a_saddle),
         cmocka_unit_test(many_seeds_in_a_face),
+        cmocka_unit_test(two_threads_trace_the_same),
         cmocka_unit_test(refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
