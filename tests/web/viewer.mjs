@@ -55,6 +55,17 @@ export async function drop(page, ...files) {
   for (const type of ["dragover", "drop"]) await page.dispatchEvent("body", type, { dataTransfer: transfer });
 }
 
+/** Holds requests whose address matches, until the returned function is called. */
+export async function hold(page, pattern) {
+  let release = () => {};
+  const held = new Promise((resolve) => (release = resolve));
+  await page.route(pattern, async (route) => {
+    await held;
+    await route.continue().catch(() => {}); // the page may have aborted the request
+  });
+  return release;
+}
+
 /** Clicks two points of the picture near the middle of the surface. */
 async function clickTwice(page, click) {
   const box = await page.locator("#canvas").boundingBox();
@@ -256,6 +267,44 @@ async function mended(browser) {
   assert.ok((await browser.ask("GET", "/v1/meshes/fan")).repair.edges_split > 0);
 }
 
+/** Two fingers drag two points at the same time. */
+async function fingers(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`, PHONE);
+  await settle(page);
+  const session = await page.context().newCDPSession(page);
+  const middle = async (name) => {
+    const box = await page.getByRole("button", { name, exact: true }).boundingBox();
+    return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+  };
+  const touch = (type, ...touchPoints) => session.send("Input.dispatchTouchEvent", { type, touchPoints });
+  const [a, b] = [{ ...(await middle("Start")), id: 0 }, { ...(await middle("End")), id: 1 }];
+  await touch("touchStart", a);
+  await touch("touchStart", a, b);
+  for (const step of [4, 8]) await touch("touchMove", { ...a, y: a.y + step }, { ...b, y: b.y + step });
+  await touch("touchEnd");
+  await settle(page);
+  for (const [name, { x, y }] of Object.entries({ Start: a, End: b })) {
+    const after = await middle(name);
+    assert.ok(Math.hypot(after.x - x, after.y - y - 8) < 4, `${name}: ${x}, ${y} to ${after.x}, ${after.y}`);
+  }
+}
+
+const focused = (page) => page.evaluate(() => document.activeElement.getAttribute("aria-label"));
+
+/** After a point is removed, its row disappears, and the focus goes to the next point. */
+async function removal(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=set`);
+  await settle(page);
+  await page.locator("#points summary").click();
+  await page.getByRole("button", { name: "Remove Point 2", exact: true }).click();
+  assert.equal(await page.locator(".point").count(), 6); // five points, and a row for a new one
+  assert.equal(await focused(page), "Remove Point 2");
+  await page.getByRole("button", { name: "Point 5", exact: true }).focus();
+  await page.keyboard.press("Delete");
+  assert.equal(await focused(page), "Point 4");
+  await settle(page);
+}
+
 export const tests = {
   "the first picture": firstPicture,
   "a file is dropped, two clicks, the API's own length": dropAndClick,
@@ -265,6 +314,8 @@ export const tests = {
   "copy as curl": copyAsCurl,
   "a problem is shown": problems,
   "a phone, by touch": phone,
+  "two fingers drag two points": fingers,
+  "a removed point": removal,
   "accessible in light and dark": accessible,
   "themes": themes,
 };

@@ -18,7 +18,8 @@ const ARROWS: Record<string, Pixel> = {
 export class Handles {
   private marks: Mark[] = [];
   private readonly buttons: HTMLButtonElement[] = [];
-  private dragged: { mark: Mark; offset: Pixel } | null = null;
+  /** The dragged points, by the id of the finger or mouse that drags. */
+  private readonly drags = new Map<number, { mark: Mark; offset: Pixel }>();
 
   constructor(
     private readonly layer: HTMLElement,
@@ -37,7 +38,10 @@ export class Handles {
   /** Makes a button for each point. Buttons are reused, so that the focus stays. */
   update(): void {
     this.marks = this.points.all;
+    const hadFocus = this.layer.contains(document.activeElement);
     while (this.buttons.length > this.marks.length) this.buttons.pop()!.remove();
+    if (hadFocus && !this.layer.contains(document.activeElement))
+      (this.buttons.at(-1) ?? this.scene.canvas).focus();
     while (this.buttons.length < this.marks.length) this.append();
     this.marks.forEach((mark, i) => this.describe(this.buttons[i]!, mark));
     this.place();
@@ -58,8 +62,8 @@ export class Handles {
       class: "handle",
       pointerdown: (event: PointerEvent) => this.begin(event, i),
       pointermove: (event: PointerEvent) => this.drag(event),
-      pointerup: () => this.end(),
-      pointercancel: () => this.end(),
+      pointerup: (event: PointerEvent) => this.end(event),
+      pointercancel: (event: PointerEvent) => this.end(event),
       keydown: (event: KeyboardEvent) => this.key(event, i),
     });
     this.buttons.push(node);
@@ -86,12 +90,14 @@ export class Handles {
     const mark = this.marks[i]!;
     const [at, pixel] = [this.scene.project(mark.place.xyz), this.pixelOf(event)];
     this.buttons[i]!.setPointerCapture(event.pointerId);
-    this.dragged = { mark, offset: { x: at.x - pixel.x, y: at.y - pixel.y } };
+    const offset = { x: at.x - pixel.x, y: at.y - pixel.y };
+    this.drags.set(event.pointerId, { mark, offset });
   }
 
   private drag(event: PointerEvent): void {
-    if (!this.dragged) return;
-    const { mark, offset } = this.dragged;
+    const dragged = this.drags.get(event.pointerId);
+    if (!dragged) return;
+    const { mark, offset } = dragged;
     const pixel = this.pixelOf(event);
     const place = this.towardsMiddle({ x: pixel.x + offset.x, y: pixel.y + offset.y });
     if (place) this.points.move(mark, place, true);
@@ -115,11 +121,11 @@ export class Handles {
     return null;
   }
 
-  private end(): void {
-    if (!this.dragged) return;
-    const { mark } = this.dragged;
-    this.dragged = null;
-    this.points.move(mark, mark.place, false);
+  private end(event: PointerEvent): void {
+    const dragged = this.drags.get(event.pointerId);
+    if (!dragged) return;
+    this.drags.delete(event.pointerId);
+    this.points.move(dragged.mark, dragged.mark.place, this.drags.size > 0);
   }
 
   private key(event: KeyboardEvent, i: number): void {

@@ -25,9 +25,17 @@ export class PointList {
 
   /** Shows the points. Leaves the rows unchanged while the user types in one of them. */
   private show(): void {
-    if (!byId<HTMLDetailsElement>("points").open || this.body.contains(document.activeElement))
-      return;
+    if (!byId<HTMLDetailsElement>("points").open) return;
+    const focus = document.activeElement;
+    if (focus instanceof HTMLInputElement && this.body.contains(focus)) return;
+    const removed = this.removes.indexOf(focus as HTMLButtonElement);
     this.body.replaceChildren(...this.app.points.groups.flatMap((_, g) => this.rows(g)));
+    if (removed >= 0) (this.removes[removed] ?? this.removes.at(-1))?.focus();
+  }
+
+  /** The buttons that remove a point. */
+  private get removes(): HTMLButtonElement[] {
+    return [...this.body.querySelectorAll("button")];
   }
 
   private rows(g: number): HTMLElement[] {
