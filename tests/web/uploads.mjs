@@ -1,7 +1,7 @@
 // Files of the user: existing names, several files, refusals.
 
 import assert from "node:assert/strict";
-import { drop, OCTAHEDRON, settle } from "./viewer.mjs";
+import { drop, hold, OCTAHEDRON, settle } from "./viewer.mjs";
 
 const TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
 
@@ -53,6 +53,20 @@ async function several(browser) {
   await removeAll(browser, "one", "two");
 }
 
+/** A file that is dropped while the page opens another one is uploaded, too. */
+async function later(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
+  await settle(page);
+  const release = await hold(page, /\/one\/content/);
+  await Promise.all([page.waitForRequest(/\/one\/content/), drop(page, ["one.obj", OCTAHEDRON])]);
+  await drop(page, ["two.obj", TETRAHEDRON]);
+  await shows(page, "two");
+  release();
+  await settle(page);
+  await shows(page, "two");
+  await removeAll(browser, "one", "two");
+}
+
 /** A refused file leaves the shown answer unchanged. */
 async function refused(browser) {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
@@ -72,13 +86,7 @@ async function refused(browser) {
 async function leaving(browser) {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
   await settle(page);
-  let release = () => {};
-  const held = new Promise((resolve) => (release = resolve));
-  await page.route(/\/v1\/meshes\/held/, async (route) => {
-    await held;
-    await route.abort();
-  });
-  page.tolerate(/ERR_FAILED/);
+  await hold(page, /\/v1\/meshes\/held/);
   await page.getByRole("button", { name: "Fit" }).click(); // browsers ask only after an interaction
   await drop(page, ["held.obj", OCTAHEDRON]);
   await page.locator("#uploads progress").waitFor();
@@ -87,14 +95,13 @@ async function leaving(browser) {
   const dialog = await asked;
   assert.equal(dialog.type(), "beforeunload");
   await dialog.dismiss();
-  release();
-  await page.getByRole("button", { name: "Upload again" }).waitFor();
 }
 
 export const tests = {
   "a taken name: keep both": keepBoth,
   "a taken name: replace": replace,
   "several files at once": several,
+  "a file dropped while another one opens": later,
   "a refused file leaves the answer": refused,
   "the browser asks before leaving a running upload": leaving,
 };

@@ -118,8 +118,8 @@ export class Uploads {
       const made = await this.upload(file, nameOf(file.name), { "If-None-Match": "*" });
       if (made) all.push(made);
     }
-    if (all.length > 0) await this.onMade(all);
     this.isBusy = false;
+    if (all.length > 0) await this.onMade(all);
   }
 
   private async upload(
