@@ -1,7 +1,7 @@
 // Answers and their absence: incomplete points, refusals, a daemon that is busy, locked or stopped.
 
 import assert from "node:assert/strict";
-import { assertRate, OCTAHEDRON, read, settle, SMALL } from "./viewer.mjs";
+import { assertRate, hold, OCTAHEDRON, putSample, read, settle, SMALL } from "./viewer.mjs";
 
 const LEAST_FIELDS = 8; /* fields a second while a source is dragged */
 
@@ -66,6 +66,7 @@ const CAUSES = [
   [problem(401, "unauthorized", "no key"), /access key/],
   [problem(404, "not_found", "there is no mesh of this name"), /does not have this surface/],
   [problem(503, "overloaded", "the queue is full"), /busy/],
+  [{ contentType: "application/json", body: '{"dist' }, /does not answer/],
   [null, /does not answer/],
 ];
 
@@ -82,6 +83,73 @@ async function retries(browser) {
     assert.equal(await page.locator("#notice .error").textContent(), "");
     assert.ok((await read(page, "last")).distance > 0);
   }
+}
+
+/** If the user cancels a question, the answer for the former points disappears. */
+async function cancelled(browser) {
+  const page = await open(browser);
+  const release = await hold(page, /\/path\?/);
+  await page.getByRole("button", { name: "End", exact: true }).focus();
+  await page.keyboard.press("Shift+ArrowRight");
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await settle(page);
+  assert.match(await page.locator("#notice .error").textContent(), /cancelled/);
+  assert.equal(await page.locator("#answer dd").count(), 0);
+  release();
+  await page.getByRole("button", { name: "Try again" }).click();
+  await settle(page);
+  assert.ok((await read(page, "last")).distance > 0);
+}
+
+/** The pieces of a cut are not shown if the user has moved a point or changed the mode meanwhile. */
+async function lateCut(browser) {
+  await putSample(browser, "ring", "torus", "columns=60", "rows=30");
+  const changes = [
+    (page) => page.getByRole("button", { name: "Point 1", exact: true }).press("Shift+ArrowRight"),
+    (page) => page.getByRole("radio", { name: "Shortest path" }).check({ force: true }),
+  ];
+  for (const change of changes) {
+    const page = await browser.page("/#meshes=ring&mode=cut");
+    await settle(page);
+    const release = await hold(page, /\/ring-\d+\/content/);
+    await Promise.all([
+      page.waitForRequest(/\/ring-\d+\/content/),
+      page.getByRole("button", { name: "Cut", exact: true }).click(),
+    ]);
+    await change(page);
+    release();
+    await page.waitForLoadState("networkidle");
+    await settle(page);
+    assert.equal(await page.locator(".piece").count(), 0);
+    assert.ok(await page.locator("#handles").isVisible());
+    assert.ok(await read(page, "last"));
+    await page.close();
+  }
+  const { meshes } = await browser.ask("GET", "/v1/meshes?limit=1000");
+  for (const { name } of meshes.filter((mesh) => /^ring(-\d+)?$/.test(mesh.name)))
+    await browser.ask("DELETE", `/v1/meshes/${name}`);
+}
+
+/** If the stream of a job breaks, the page opens it again. */
+async function brokenStream(browser) {
+  const page = await open(browser);
+  page.tolerate(/ERR_CONNECTION_RESET/);
+  await page.route(/\/events$/, (route) => route.abort("connectionreset"), { times: 1 });
+  await page.getByRole("radio", { name: "Distance field" }).check({ force: true });
+  await page.waitForFunction(() => window.geodesicd.last?.max > 0);
+  assert.equal(await page.locator("#notice .error").textContent(), "");
+}
+
+/** Requests cannot send a key with characters beyond ASCII, so the page does not accept one. */
+async function wrongKey(browser) {
+  const page = await open(browser);
+  await page.locator("#access summary").click();
+  await page.locator("#key").fill("\u201cgdk_key\u201d");
+  await page.keyboard.press("Enter");
+  assert.ok(!(await page.locator("#key").evaluate((input) => input.validity.valid)));
+  await page.locator("#key").fill(" gdk_key ");
+  assert.ok(await page.locator("#key").evaluate((input) => input.validity.valid));
+  assert.equal(await page.locator("#loads .error").textContent(), "");
 }
 
 /** A field follows the drag on a mesh of this size, and no request of the drag is a job. */
@@ -142,6 +210,10 @@ export const tests = {
   "a refusal removes the answer": refusal,
   "a drag beside the surface keeps the answer": missed,
   "a retry repeats the query": retries,
+  "a cancelled question leaves no answer": cancelled,
+  "a late cut is not shown": lateCut,
+  "a broken stream is opened again": brokenStream,
+  "a key that no request can send": wrongKey,
   "a field follows a drag without jobs": fieldDrag,
   "the cut locus of a source": cutLocus,
 };

@@ -9,7 +9,9 @@ async function simplified(browser) {
   page.setDefaultTimeout(120000);
   await settle(page);
   await page.getByText("Edit the mesh").click();
-  await page.getByRole("button", { name: "Make a new mesh" }).click();
+  const make = page.getByRole("button", { name: "Make a new mesh" });
+  await make.click();
+  assert.ok(await make.isDisabled()); // a second edit would replace the first one
   const open = page.getByRole("button", { name: `Open ${large}-2` });
   await open.waitFor();
   const [before, after] = [

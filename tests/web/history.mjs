@@ -65,6 +65,21 @@ async function link(browser) {
   assert.equal((await read(page, "state")).unit, "mm");
 }
 
+/** Invalid parameters of a link become defaults, and numbers become steps of the sliders. */
+async function invalidLink(browser) {
+  const page = await open(browser, "&from=f:0:5,5,-9&to=f:0:-0.5,0.5,1&camera=0,0,x");
+  assert.equal((await read(page, "state")).points, "none");
+  const { camera } = await read(page, "state");
+  await page.getByRole("button", { name: "Fit", exact: true }).click();
+  await settle(page);
+  assert.equal((await read(page, "state")).camera, camera);
+  await page.evaluate(() => (location.hash = location.hash.replace(/mode=.*/, "mode=field&isolines=2.7")));
+  await page.waitForFunction(() => window.geodesicd.last?.max > 0);
+  await settle(page);
+  assert.equal((await read(page, "state")).isolines, "3");
+  assert.equal(await page.locator("#notice .error").textContent(), "");
+}
+
 async function saved(page, name) {
   const [download] = await Promise.all([
     page.waitForEvent("download"),
@@ -115,6 +130,7 @@ async function files(browser) {
 export const tests = {
   "undo and redo": undo,
   "a link holds the view": link,
+  "a link with invalid parameters": invalidLink,
   "kept paths": kept,
   "answers as files": files,
 };

@@ -2,7 +2,7 @@
 // storage.
 
 import assert from "node:assert/strict";
-import { drop, OCTAHEDRON, read, settle } from "./viewer.mjs";
+import { drop, hold, OCTAHEDRON, read, settle } from "./viewer.mjs";
 
 const TETRAHEDRON = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
 const LONG = `${"long-name.".repeat(13).slice(0, 127)}x`; /* 128 characters, with dots */
@@ -77,12 +77,7 @@ const missingChoice = withMeshes(["here", "gone"], async (browser) => {
 /** If two surfaces load at the same time, the page shows the surface chosen last. */
 const overtaken = withMeshes(["slow", "quick"], async (browser) => {
   const page = await open(browser, "/#meshes=quick&mode=pair");
-  let release = () => {};
-  const held = new Promise((resolve) => (release = resolve));
-  await page.route(/\/slow\/content/, async (route) => {
-    await held;
-    await route.continue().catch(() => {}); // the page may have aborted the request
-  });
+  const release = await hold(page, /\/slow\/content/);
   await Promise.all([
     page.waitForRequest(/\/slow\/content/),
     select(page).selectOption("meshes/slow"),
@@ -95,6 +90,37 @@ const overtaken = withMeshes(["slow", "quick"], async (browser) => {
   await settle(page);
   assert.equal(await shownMesh(page), "quick");
   assert.equal(await page.locator("#busy").textContent(), "");
+});
+
+/** Undo of an edit ends the load of another surface. */
+const undone = withMeshes(["slow", "quick"], async (browser) => {
+  const page = await open(browser, "/#meshes=quick&mode=pair");
+  await nudge(page);
+  const release = await hold(page, /\/slow\/content/);
+  await Promise.all([
+    page.waitForRequest(/\/slow\/content/),
+    select(page).selectOption("meshes/slow"),
+  ]);
+  await Promise.all([
+    page.waitForRequest(/\/quick\/path/),
+    page.getByRole("button", { name: "Undo" }).click(),
+  ]);
+  release();
+  await settle(page);
+  assert.equal(await shownMesh(page), "quick");
+  assert.equal(await page.locator("#busy").textContent(), "");
+});
+
+/** If the script of the worker does not load, the page says so, and can try again. */
+const worker = withMeshes(["here"], async (browser) => {
+  const page = await browser.page("/icon.svg");
+  page.tolerate(/status of 404|ERR_FAILED/); // the browser requests an icon for /icon.svg
+  await page.route(/worker\.js/, (route) => route.abort());
+  await page.goto(`${browser.settings.url}/#meshes=here&mode=pair`);
+  await page.locator("#loads .error").filter({ hasText: /could not load/ }).waitFor();
+  await page.unroute(/worker\.js/);
+  await page.getByRole("button", { name: "Try again" }).click();
+  await page.waitForFunction(() => window.geodesicd.last?.distance > 0);
 });
 
 const deleted = withMeshes(["lost"], async (browser) => {
@@ -208,6 +234,8 @@ export const tests = {
   "a link to a missing mesh": missingLink,
   "a choice that fails keeps the answer": missingChoice,
   "the surface chosen last is shown": overtaken,
+  "undo ends a load": undone,
+  "a worker that does not load": worker,
   "a mesh deleted by another client": deleted,
   "a mesh replaced by another client": replaced,
   "a mesh added by another client": added,

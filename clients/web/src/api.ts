@@ -19,13 +19,17 @@ export class ApiError extends Error {
   constructor(
     readonly status: number,
     readonly problem: Partial<Problem>,
+    url: string,
   ) {
-    super(sentence(problem, status));
+    super(sentence(problem, status, url));
   }
 }
 
 /** The daemon does not answer: it has stopped, or the network is down. */
 export class NoAnswer extends Error {}
+
+/** The user has cancelled the work. */
+export class Cancelled extends Error {}
 
 /** Messages for statuses whose cause is not in the request, with the next step. */
 const SENTENCES: Record<number, string> = {
@@ -35,19 +39,39 @@ const SENTENCES: Record<number, string> = {
   412: "Another client has replaced this surface since the page loaded it.",
   429: "The daemon limits how often this key may ask. Wait a few seconds, then try again.",
   503: "The daemon is busy. Wait a few seconds, then try again.",
+  504: "The work took longer than the daemon permits. Try again, or use fewer points or a smaller mesh.",
 };
+/** The message if the daemon has removed a field or a job, or was started again. */
+const LOST = "The daemon no longer has this result. Ask again, for example by moving a point.";
 
-function sentence(problem: Partial<Problem>, status: number): string {
+function sentence(problem: Partial<Problem>, status: number, url: string): string {
+  if ([404, 410].includes(status) && /\/(fields|jobs)\//.test(url)) return LOST;
   if (SENTENCES[status]) return SENTENCES[status];
   if (!problem.detail) return `The daemon answered with status ${status}.`;
   return problem.reason ? `${problem.detail} (${problem.reason})` : problem.detail;
+}
+
+/**
+ * Returns a response or its body. Throws NoAnswer if the connection breaks, also in the middle of
+ * the body.
+ */
+export async function received<T>(coming: Promise<T>, signal?: AbortSignal): Promise<T> {
+  try {
+    return await coming;
+  } catch (error) {
+    if (signal?.aborted) throw error;
+    throw new NoAnswer(
+      `The daemon at ${location.host} does not answer. Start it again, then try again.`,
+      { cause: error },
+    );
+  }
 }
 
 /** Returns a successful response; throws ApiError otherwise. */
 export async function ask(response: Response): Promise<Response> {
   if (response.ok) return response;
   const problem = (await response.json().catch(() => ({}))) as Partial<Problem>;
-  throw new ApiError(response.status, problem);
+  throw new ApiError(response.status, problem, response.url);
 }
 
 export function pathOf(request: Request): string {
@@ -101,17 +125,7 @@ export class Api {
       body,
       signal,
     };
-    try {
-      return await fetch(pathOf(request), options);
-    } catch (error) {
-      if (signal?.aborted) throw error;
-      throw new NoAnswer(
-        `The daemon at ${location.host} does not answer. Start it again, then try again.`,
-        {
-          cause: error,
-        },
-      );
-    }
+    return received(fetch(pathOf(request), options), signal);
   }
 
   /** Returns a successful response; throws ApiError or NoAnswer otherwise. */
@@ -120,7 +134,7 @@ export class Api {
   }
 
   async json<T>(request: Request, signal?: AbortSignal): Promise<T> {
-    return (await this.send(request, signal)).json() as Promise<T>;
+    return received((await this.send(request, signal)).json() as Promise<T>, signal);
   }
 
   async get<T>(path: string, query?: Record<string, string>, signal?: AbortSignal): Promise<T> {
@@ -128,6 +142,6 @@ export class Api {
   }
 
   async bytes(request: Request, signal?: AbortSignal): Promise<ArrayBuffer> {
-    return (await this.send(request, signal)).arrayBuffer();
+    return received((await this.send(request, signal)).arrayBuffer(), signal);
   }
 }

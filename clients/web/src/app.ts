@@ -2,7 +2,7 @@
 
 import type { Service } from "../../js/types.d.ts";
 import { Answer } from "./answer.ts";
-import { Api, ApiError, NoAnswer } from "./api.ts";
+import { Api, ApiError, Cancelled, NoAnswer } from "./api.ts";
 import { Bench, isAbort } from "./bench.ts";
 import { rememberCage } from "./cages.ts";
 import { Chooser } from "./chooser.ts";
@@ -27,7 +27,7 @@ import { type Made, Uploads, type UserFile } from "./uploads.ts";
 const STARTING_FACES = 300000; /* the page opens a larger mesh only if the user requests this */
 const PATIENCE = 700; /* milliseconds until the page shows that it waits for an answer */
 const KINDS: Kind[] = ["meshes", "subdivisions", "nurbs"];
-const RETRIED = [401, 404, 429, 503]; /* statuses after which the same request may succeed */
+const RETRIED = [401, 404, 410, 429, 503, 504]; /* statuses after which the same request may succeed */
 
 /**
  * Returns whether a ray missed the surface. Near the outline, a ray may hit the preview but not the
@@ -160,7 +160,9 @@ export class App {
     if (error instanceof ApiError && error.status === 412 && surface)
       return [button("Load it again", () => void this.loadAgain(surface), { class: "main" })];
     const isRetried =
-      error instanceof NoAnswer || (error instanceof ApiError && RETRIED.includes(error.status));
+      error instanceof NoAnswer ||
+      error instanceof Cancelled ||
+      (error instanceof ApiError && RETRIED.includes(error.status));
     return isRetried ? [button("Try again", () => void retry(), { class: "main" })] : [];
   }
 
@@ -192,6 +194,8 @@ export class App {
   private async show(kind: Kind, name: string, view: View): Promise<void> {
     const { surface } = this.bench;
     if (surface?.kind !== kind || surface.name !== name) return this.open(kind, name, view);
+    this.loading.abort();
+    this.say("");
     this.leaveMode();
     this.mode = view.mode!;
     this.applyView(view.parameters);
@@ -292,8 +296,8 @@ export class App {
     const sample = SAMPLES.find(({ name }) => name === surface.name);
     const usual = surface.kind === "nurbs" ? "z" : "y"; /* in CAD z is upwards, elsewhere y */
     this.scene.up = parameters?.get("up") ?? sample?.up ?? usual;
-    if (!parameters?.has("camera")) return this.scene.fit();
-    this.scene.view = parameters.get("camera")!;
+    this.scene.fit();
+    this.scene.view = parameters?.get("camera") ?? "";
   }
 
   async openSample(sample: Sample): Promise<void> {
@@ -306,7 +310,7 @@ export class App {
   private async upload(files: UserFile[]): Promise<void> {
     this.loads++;
     for (const file of files)
-      if (file.kind === "subdivisions") await rememberCage(await file.body.text());
+      if (file.kind === "subdivisions") await rememberCage(await file.body.text().catch(() => ""));
     const added = this.uploads.add(files);
     this.loads--;
     await added;
@@ -411,7 +415,7 @@ export class App {
 
   private showWaiting(): void {
     if (!this.answer.showsProgress)
-      this.answer.showProgress("Waiting for the answer", null, () => this.bench.abort());
+      this.answer.showProgress("Waiting for the answer", null, () => this.bench.cancel());
   }
 
   private showHandles(): void {
@@ -422,15 +426,17 @@ export class App {
   private async ask(live: boolean): Promise<void> {
     const { bench, mode, points } = this;
     if (!bench.surface || bench.surface.kind !== mode.kind) return;
-    bench.begin();
+    const signal = bench.begin();
     if (!points.complete) return this.clearAnswer();
     const waiting = setTimeout(() => this.showWaiting(), PATIENCE);
     try {
-      if (!live) await points.map((place) => snapped(this.api, bench.surface!.path, place));
+      const { path } = bench.surface;
+      if (!live) await points.map((place) => snapped(this.api, path, place, signal));
       await mode.ask(live);
+      signal.throwIfAborted();
       if (live) this.rate.count();
     } catch (error) {
-      if (!(live && isMiss(error))) this.refuse(error);
+      if (!(live && isMiss(error))) this.refuse(signal.aborted ? signal.reason : error);
     }
     clearTimeout(waiting);
     bench.end();
@@ -467,7 +473,7 @@ export class App {
 
   /** Aborts the running query and all uploads. */
   cancel(): void {
-    this.bench.abort();
+    this.bench.cancel();
     this.uploads.cancel();
   }
 

@@ -5,7 +5,7 @@ import { type Arrays, readArrays, writeArrays } from "../../js/index.js";
 import type { ResultsAnswer } from "../../js/types.d.ts";
 import type { Answer } from "./answer.ts";
 import type { ColourMap } from "./colours.ts";
-import { type Api, ask, type Request } from "./api.ts";
+import { type Api, ask, Cancelled, received, type Request } from "./api.ts";
 import { runJob } from "./jobs.ts";
 import type { Legend } from "./legend.ts";
 import { type Place, pointOf } from "./place.ts";
@@ -35,7 +35,7 @@ export class Bench {
   /** Requests that the query depends on, such as an upload; shown before its own requests. */
   prelude: Request[] = [];
   private requests: Request[] = [];
-  private running: AbortController | undefined;
+  private running = new AbortController();
   private isJob = false;
   private begun = 0;
 
@@ -50,16 +50,16 @@ export class Bench {
 
   /** Runs a query that a button has started, instead of the mode's query, and shows its errors. */
   async question(work: () => Promise<void>): Promise<boolean> {
-    this.abort();
-    this.begin();
+    const signal = this.begin();
     let done = false;
     try {
       await work();
       done = true;
     } catch (error) {
-      if (!isAbort(error)) this.answer.warn(error);
+      const cause: unknown = signal.aborted ? signal.reason : error;
+      if (!isAbort(cause)) this.answer.warn(cause);
     }
-    this.end();
+    if (this.signal === signal) this.end();
     return done;
   }
 
@@ -72,13 +72,15 @@ export class Bench {
     }
   }
 
-  /** Begins a query. */
-  begin(): void {
+  /** Begins a query, and aborts the previous query. Returns the signal that aborts the query. */
+  begin(): AbortSignal {
+    this.abort();
     this.running = new AbortController();
     this.last = undefined;
     this.requests = this.prelude.splice(0);
     this.isJob = false;
     this.begun = performance.now();
+    return this.signal;
   }
 
   /** Ends a query and shows its requests. */
@@ -92,9 +94,19 @@ export class Bench {
     return this.requests;
   }
 
+  /** The signal that aborts the running query. */
+  get signal(): AbortSignal {
+    return this.running.signal;
+  }
+
   /** Aborts the running query, and its job at the daemon. */
   abort(): void {
-    this.running?.abort();
+    this.running.abort();
+  }
+
+  /** Aborts the running query for the user. The page then shows that it has no answer. */
+  cancel(): void {
+    this.running.abort(new Cancelled("You have cancelled the question."));
   }
 
   /**
@@ -106,7 +118,7 @@ export class Bench {
   }
 
   get aborted(): boolean {
-    return this.running?.signal.aborted ?? false;
+    return this.signal.aborted;
   }
 
   /** Forgets the answer and its requests. */
@@ -134,20 +146,21 @@ export class Bench {
   }
 
   private direct(request: Request): Promise<Response> {
-    const signal = this.running?.signal;
+    const { signal } = this;
     return this.ask(request, (sent) => this.api.fetch(sent, signal));
   }
 
-  private async parsed<T>(response: Response): Promise<T> {
-    const answer = (await response.json()) as T;
-    this.running?.signal.throwIfAborted();
+  private async parsed<T>(response: Promise<Response>): Promise<T> {
+    const { signal } = this;
+    const answer = (await received((await response).json(), signal)) as T;
+    signal.throwIfAborted();
     this.last = answer;
     return answer;
   }
 
   /** Posts a query of the surface; `query` is the last part of its path. */
   async post<T>(path: string, json: unknown, query?: Record<string, string>): Promise<T> {
-    return this.parsed(await this.direct(this.request(path, { query, json })));
+    return this.parsed(this.direct(this.request(path, { query, json })));
   }
 
   /** Posts typed arrays and returns the arrays of the answer, in single precision. */
@@ -155,9 +168,10 @@ export class Bench {
     const file = { name: `${path}.arrays`, body: writeArrays(arrays) };
     const headers = { "Content-Type": "application/octet-stream" };
     const query = { format: "f32" };
+    const { signal } = this;
     const response = await this.direct(this.request(path, { query, file, headers }));
-    const answer = readArrays(await response.arrayBuffer());
-    this.running?.signal.throwIfAborted();
+    const answer = readArrays(await received(response.arrayBuffer(), signal));
+    signal.throwIfAborted();
     return answer;
   }
 
@@ -178,7 +192,7 @@ export class Bench {
         query: { select: "distance,nearest" },
         json: { set, points: places.slice(at, at + MOST_PLACES).map(pointOf) },
       };
-      const { results } = await this.api.json<ResultsAnswer>(request, this.running?.signal);
+      const { results } = await this.api.json<ResultsAnswer>(request, this.signal);
       found.values.set(results.map(({ distance }) => distance ?? NaN), at);
       for (const { nearest } of results) found.labels.push(nearest?.index ?? null);
     }
@@ -202,12 +216,12 @@ export class Bench {
   ): Promise<T> {
     if (live || this.surface!.faceCount < faces) return this.post(path, json, parameters);
     this.isJob = true;
-    const running = this.running!;
+    const { signal } = this;
     const onProgress = (part: number): void =>
-      this.answer.showProgress("Working", part, () => running.abort());
+      this.answer.showProgress("Working", part, () => this.cancel());
     const request = this.request(path, { query: parameters, json });
     return this.parsed(
-      await this.ask(request, (sent) => runJob(this.api, sent, onProgress, running.signal)),
+      this.ask(request, (sent) => runJob(this.api, sent, onProgress, signal)),
     );
   }
 }

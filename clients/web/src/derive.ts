@@ -4,7 +4,7 @@
 
 import type { EditOperation, Mesh } from "../../js/types.d.ts";
 import type { App } from "./app.ts";
-import { ask } from "./api.ts";
+import { ask, received } from "./api.ts";
 import { isAbort } from "./bench.ts";
 import { button, byId, make } from "./dom.ts";
 import { runJob } from "./jobs.ts";
@@ -38,6 +38,7 @@ export class Derive {
     edges: only("edit", ["fill"], range("Longest hole, in edges", 1000, 3, 2000, 1, whole)),
     rounds: only("edit", ["smooth"], range("Rounds", 5, 1, 100, 1)),
   });
+  private readonly start = button("Make a new mesh", () => void this.run());
   private readonly result = make("div");
   private readonly notice = new Notice();
   private shownFor = "";
@@ -45,7 +46,7 @@ export class Derive {
   constructor(private readonly app: App) {
     byId("derive").append(
       make("div", {}),
-      button("Make a new mesh", () => void this.run()),
+      this.start,
       this.notice.node,
       this.result,
     );
@@ -93,12 +94,14 @@ export class Derive {
     const onPart = (part: number): void =>
       notice.showProgress("Editing", part, () => running.abort());
     notice.warn("");
+    this.start.disabled = true; /* a second edit would get the same name */
     try {
       const response = await ask(await runJob(api, request, onPart, running.signal));
-      await this.compare(surface, (await response.json()) as Mesh);
+      await this.compare(surface, (await received(response.json())) as Mesh);
     } catch (error) {
       if (!isAbort(error)) notice.warn(messageOf(error));
     }
+    this.start.disabled = false;
     notice.hideProgress();
     bench.onMeshes();
   }

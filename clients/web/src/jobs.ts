@@ -1,15 +1,19 @@
 // Runs slow requests as jobs of the daemon, with progress and cancellation.
 
 import type { Job } from "../../js/types.d.ts";
-import { type Api, type Request } from "./api.ts";
+import { type Api, ApiError, received, type Request } from "./api.ts";
 
 export type OnProgress = (part: number, state: Job["state"]) => void;
+
+const MOST_BREAKS = 5; /* a job is given up if its stream breaks so often without an event */
+const PAUSE = 500; /* milliseconds before the page opens a stream again */
 
 /** Yields the data of the server-sent events of a stream. */
 async function* events(response: Response): AsyncGenerator<Job> {
   const reader = response.body!.pipeThrough(new TextDecoderStream()).getReader();
   let text = "";
-  for (let read = await reader.read(); !read.done; read = await reader.read()) {
+  const next = (): ReturnType<typeof reader.read> => received(reader.read());
+  for (let read = await next(); !read.done; read = await next()) {
     const parts = (text + read.value).split("\n\n");
     text = parts.pop()!;
     for (const part of parts) {
@@ -21,22 +25,25 @@ async function* events(response: Response): AsyncGenerator<Job> {
 
 const hasEnded = (job: Job): boolean => job.state !== "queued" && job.state !== "running";
 
-/** Follows a job until it has ended. Reopens the stream if it ends earlier. */
+/** Follows a job until it has ended. Opens the stream again if it ends or breaks earlier. */
 async function follow(
   api: Api,
   path: string,
   onProgress: OnProgress,
   signal?: AbortSignal,
 ): Promise<Job> {
-  for (;;) {
-    const stream = await api.send(
-      { method: "GET", path: `${path}/events`, accept: "text/event-stream" },
-      signal,
-    );
-    for await (const job of events(stream)) {
-      onProgress(job.progress, job.state);
-      if (hasEnded(job)) return job;
+  const request = { method: "GET", path: `${path}/events`, accept: "text/event-stream" } as const;
+  for (let breaks = 0; ; breaks++) {
+    try {
+      for await (const job of events(await api.send(request, signal))) {
+        breaks = 0;
+        onProgress(job.progress, job.state);
+        if (hasEnded(job)) return job;
+      }
+    } catch (error) {
+      if (signal?.aborted || error instanceof ApiError || breaks === MOST_BREAKS) throw error;
     }
+    await new Promise((resume) => setTimeout(resume, PAUSE));
   }
 }
 

@@ -2,7 +2,7 @@
 // the triangles (prepare.ts).
 
 import type { Mesh, Nurbs, Subdivision } from "../../js/types.d.ts";
-import { type Api, ask, type Request } from "./api.ts";
+import { type Api, ask, NoAnswer, received, type Request } from "./api.ts";
 import { cellsOf, limitGrid, NURBS_CELLS, nurbsGrid } from "./grids.ts";
 import type { Triangles } from "./ply.ts";
 import type { Prepared } from "./prepare.ts";
@@ -19,9 +19,23 @@ const waiting = new Map<
   { resolve: (prepared: Prepared) => void; reject: (error: Error) => void }
 >();
 /** The worker. It starts with the page, so that it is ready when the first mesh arrives. */
-const worker = new Worker("/worker.js", { type: "module" });
-worker.onmessage = receive;
+let worker: Worker | null = started();
 let count = 0;
+
+function started(): Worker {
+  const made = new Worker("/worker.js", { type: "module" });
+  made.onmessage = receive;
+  made.onerror = stop;
+  return made;
+}
+
+/** Gives up a worker that did not load. The next mesh starts a new one. */
+function stop(): void {
+  worker = null;
+  for (const { reject } of waiting.values())
+    reject(new NoAnswer("The page could not load all of its parts. Try again."));
+  waiting.clear();
+}
 
 function receive({ data: { id, prepared, error } }: MessageEvent<Reply>): void {
   const { resolve, reject } = waiting.get(id)!;
@@ -35,7 +49,7 @@ export function prepared(source: ArrayBuffer | Triangles): Promise<Prepared> {
   const buffers =
     source instanceof ArrayBuffer ? [source] : [source.positions.buffer, source.faces.buffer];
   const id = count++;
-  worker.postMessage({ id, source }, buffers as ArrayBuffer[]);
+  (worker ??= started()).postMessage({ id, source }, buffers as ArrayBuffer[]);
   return new Promise((resolve, reject) => waiting.set(id, { resolve, reject }));
 }
 
@@ -62,11 +76,11 @@ async function contentOf(
     query: { format: "ply" },
     headers,
   };
-  return received(await api.send(request, load.signal), load);
+  return received(contents(await api.send(request, load.signal), load), load.signal);
 }
 
 /** Reads a response. Reports progress if the length of the response is known. */
-async function received(response: Response, { onPart }: Load): Promise<ArrayBuffer> {
+async function contents(response: Response, { onPart }: Load): Promise<ArrayBuffer> {
   const total = Number(response.headers.get("Content-Length"));
   if (!total || response.headers.has("Content-Encoding")) return response.arrayBuffer();
   const bytes = new Uint8Array(total);
@@ -99,7 +113,7 @@ async function previewOf(api: Api, name: string, load: Load): Promise<Preview | 
     await ask(response);
     if (response.status !== 202) {
       const deviation = Number(response.headers.get("Geodesic-Largest-Distance"));
-      return { file: await received(response, load), deviation };
+      return { file: await received(contents(response, load), load.signal), deviation };
     }
     load.onPart(((await response.json()) as { progress: number }).progress);
     await new Promise((resume) =>

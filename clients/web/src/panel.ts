@@ -36,6 +36,8 @@ export function buildAccess(api: Api, onChange: () => void): void {
     type: "password",
     id: "key",
     autocomplete: "off",
+    pattern: "\\s*[!-~]*\\s*",
+    title: "A key has only letters, digits, and signs of ASCII.",
     value: api.key,
   });
   const submit = (event: SubmitEvent): void => {

@@ -46,7 +46,8 @@ export class Pieces {
 
   private async fetch(name: string): Promise<Triangles> {
     const path = `${surfacePath("meshes", name)}/content`;
-    return parsePly(await this.bench.api.bytes({ method: "GET", path, query: { format: "ply" } }));
+    const request = { method: "GET", path, query: { format: "ply" } } as const;
+    return parsePly(await this.bench.api.bytes(request, this.bench.signal));
   }
 
   private add({ positions, faces }: Triangles, i: number): { skin: Skin; middle: Vec3 } {

@@ -59,19 +59,28 @@ export function parseXyz(text: string): Vec3 | null {
   return numbers.length === 3 && numbers.every(Number.isFinite) ? (numbers as Vec3) : null;
 }
 
+const WEIGHT_ERROR = 1e-5; /* the sum of weights in an address may differ from 1 by this */
+
 /** Parses a compact point in a face (`f:…`); returns null for any other text. */
 export function parseCompact(text: string): { face: number; barycentric: Vec3 } | null {
   const match = /^f:(\d+):([^,]+),([^,]+),([^,]+)$/.exec(text.trim());
   if (!match) return null;
   const barycentric: Vec3 = [Number(match[2]), Number(match[3]), Number(match[4])];
-  return barycentric.every(Number.isFinite) ? { face: Number(match[1]), barycentric } : null;
+  const [a, b, c] = barycentric;
+  const isInside = Math.min(a, b, c) >= 0 && Math.abs(a + b + c - 1) <= WEIGHT_ERROR;
+  return isInside ? { face: Number(match[1]), barycentric } : null;
 }
 
 /** Moves a place that was picked on a preview to the original mesh. */
-export async function snapped(api: Api, path: string, place: Place): Promise<Place> {
+export async function snapped(
+  api: Api,
+  path: string,
+  place: Place,
+  signal: AbortSignal,
+): Promise<Place> {
   if (!place.ray) return place;
   const nearest = (point: Point): Promise<PointAnswer> =>
-    api.json<PointAnswer>({ method: "POST", path: `${path}/nearest`, json: { point } });
+    api.json<PointAnswer>({ method: "POST", path: `${path}/nearest`, json: { point } }, signal);
   try {
     return placeOf(await nearest({ ray: place.ray }), true);
   } catch (error) {

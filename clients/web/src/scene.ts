@@ -439,6 +439,7 @@ export class Scene {
     return numbers.map((x) => Number(x.toFixed(4))).join(",");
   }
 
+  /** Does nothing if the text is invalid. */
   set view(text: string) {
     const [x, y, z, a, b, c] = text.split(",").map(Number);
     const numbers = [x, y, z, a, b, c];

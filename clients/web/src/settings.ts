@@ -197,7 +197,8 @@ function valueOf(setting: Setting, text: string): Setting["value"] {
   if (setting.kind === "choice")
     return setting.options.some(([value]) => value === text) ? text : setting.value;
   const value = Number(text);
-  return Number.isFinite(value)
-    ? Math.min(setting.max, Math.max(setting.min, value))
-    : setting.value;
+  if (!Number.isFinite(value)) return setting.value;
+  const { min, max, step } = setting;
+  const steps = Math.round((Math.min(max, Math.max(min, value)) - min) / step);
+  return Number((min + steps * step).toFixed(9));
 }

@@ -3,6 +3,7 @@
 
 import type { CutLocusAnswer, Field, IsolinesAnswer, ResultsAnswer } from "../../../js/types.d.ts";
 import type { Fact } from "../answer.ts";
+import { received } from "../api.ts";
 import type { Bench } from "../bench.ts";
 import { daemonFile, type FileOffer } from "../files.ts";
 import { arraysOf, type Place, placeOf, pointOf } from "../place.ts";
@@ -20,12 +21,12 @@ const EXACT_FACES = 20000;
 /** Returns the distance at each vertex, or NaN if no path reaches the vertex. */
 export async function valuesOf(bench: Bench, id: string): Promise<Float64Array> {
   const response = await bench.get(`fields/${id}/values`, undefined, "application/octet-stream");
-  return new Float64Array(await response.arrayBuffer());
+  return new Float64Array(await received(response.arrayBuffer(), bench.signal));
 }
 
 export async function isolinesOf(bench: Bench, id: string, count: number): Promise<Vec3[][]> {
   const response = await bench.get(`fields/${id}/isolines`, { count: String(count), ...XYZ });
-  const { isolines } = (await response.json()) as IsolinesAnswer;
+  const { isolines } = (await received(response.json(), bench.signal)) as IsolinesAnswer;
   return isolines.flatMap((isoline) => isoline.lines.map((line) => (line.points ?? []) as Vec3[]));
 }
 

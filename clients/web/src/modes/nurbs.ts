@@ -74,11 +74,12 @@ export class NurbsMode extends Mode {
     const lines = [0, 1].flatMap((axis) =>
       Array.from({ length: NET + 1 }, (_, i) => this.line(axis as 0 | 1, i / NET)),
     );
-    void this.evaluate(lines).then((net) => {
+    const show = (net: Vec3[][]): void => {
       if (this.bench.surface !== surface) return;
       this.net = net;
       this.showNet();
-    });
+    };
+    void this.evaluate(lines).then(show, () => {}); /* the query reports errors */
   }
 
   /** Returns points of a parameter line in the domain. On axis 0, u is constant. */
