@@ -1,6 +1,8 @@
 // Files of the user: existing names, several files, refusals.
 
 import assert from "node:assert/strict";
+import { writeFileSync } from "node:fs";
+import path from "node:path";
 import { drop, hold, OCTAHEDRON, settle } from "./viewer.mjs";
 
 const TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
@@ -82,6 +84,25 @@ async function refused(browser) {
   assert.equal(await page.evaluate(() => window.geodesicd.curl), before);
 }
 
+/** The browser does not read a file that the user has corrected after the daemon refused it. */
+async function changed(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
+  await settle(page);
+  page.tolerate(/status of 422|ERR_UPLOAD_FILE_CHANGED/);
+  const file = path.join(browser.settings.place, "changed.obj");
+  writeFileSync(file, "v 0 0 0\nf 1 2 7\n");
+  await page.locator("#file").setInputFiles(file);
+  const again = page.getByRole("button", { name: "Upload again" });
+  await again.waitFor();
+  writeFileSync(file, OCTAHEDRON);
+  await again.click();
+  await page.locator("#uploads .error").filter({ hasText: /choose it again/ }).waitFor();
+  await page.locator("#file").setInputFiles(file);
+  await shows(page, "changed");
+  await settle(page);
+  await removeAll(browser, "changed");
+}
+
 /** The browser asks before the user leaves a running upload. */
 async function leaving(browser) {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
@@ -103,5 +124,6 @@ export const tests = {
   "several files at once": several,
   "a file dropped while another one opens": later,
   "a refused file leaves the answer": refused,
+  "a file that has changed": changed,
   "the browser asks before leaving a running upload": leaving,
 };

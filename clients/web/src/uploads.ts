@@ -54,20 +54,32 @@ function send(
   return new Promise((resolve, reject) => {
     const sent = new XMLHttpRequest();
     sent.open(request.method, pathOf(request));
-    const { body } = request.file!;
-    const isLarge = body instanceof Blob && body.size > LARGE;
+    const body = request.file!.body as Blob;
+    const isLarge = body.size > LARGE;
     if (isLarge) sent.setRequestHeader("Prefer", "respond-async"); /* a job reports progress */
     for (const [name, value] of Object.entries(request.headers ?? {}))
       sent.setRequestHeader(name, value);
     if (api.key) sent.setRequestHeader("Authorization", `Bearer ${api.key}`);
     sent.upload.onprogress = (event) => onPart(event.loaded / event.total);
     sent.onload = () => resolve(responseOf(sent));
-    sent.onerror = () =>
-      reject(new Error("The connection broke during the upload. Send the file again."));
+    sent.onerror = () => void causeOf(body).then(reject);
     sent.onabort = () => reject(new DOMException("The upload was cancelled.", "AbortError"));
     signal.addEventListener("abort", () => sent.abort());
     sent.send(body);
   });
+}
+
+/**
+ * Returns the error of an upload that broke. Browsers do not read a file that has changed since the
+ * user chose it.
+ */
+async function causeOf(body: Blob): Promise<Error> {
+  try {
+    await body.slice(0, 1).arrayBuffer();
+    return new Error("The connection broke during the upload. Send the file again.");
+  } catch {
+    return new Error("The browser cannot read it. If you have changed the file, choose it again.");
+  }
 }
 
 function responseOf(sent: XMLHttpRequest): Response {
