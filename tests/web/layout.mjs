@@ -203,6 +203,34 @@ async function keys(browser) {
   for (let axis = 0; axis < 3; axis++) assert.ok(Math.abs(step[axis] - step[axis + 3]) < 2e-4);
 }
 
+/** Without WebGL, the page says so, and shows no controls that would do nothing. */
+async function withoutWebGl(browser) {
+  const page = await browser.page("/icon.svg", { viewport: { width: 360, height: 640 } });
+  page.tolerate(/status of 404|Error creating WebGL context/); // the browser requests an icon
+  await page.addInitScript(() => (HTMLCanvasElement.prototype.getContext = () => null));
+  await page.goto(browser.settings.url);
+  const message = await page.getByRole("alert").boundingBox();
+  assert.ok(message.x >= 0 && message.x + message.width <= 360);
+  assert.match(await page.getByRole("alert").textContent(), /needs WebGL 2/);
+  assert.ok(await page.locator("#panel").isHidden());
+  await browser.picture(page, "without-webgl");
+}
+
+/** If the browser loses WebGL, the page says so until the picture is back. */
+async function lostWebGl(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
+  await settle(page);
+  await page.evaluate(() => {
+    const gl = document.getElementById("canvas").getContext("webgl2");
+    window.loss = gl.getExtension("WEBGL_lose_context");
+    window.loss.loseContext();
+  });
+  const message = page.locator("#busy").filter({ hasText: /has lost the picture/ });
+  await message.waitFor();
+  await page.evaluate(() => window.loss.restoreContext());
+  await message.waitFor({ state: "detached" });
+}
+
 async function deleting(browser) {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
   await settle(page);
@@ -221,4 +249,6 @@ export const tests = {
   "a trimmed surface": trims,
   "keys move the picture": keys,
   "delete is in sight": deleting,
+  "without WebGL": withoutWebGl,
+  "lost WebGL": lostWebGl,
 };

@@ -109,6 +109,8 @@ export class App {
     this.scene.onFrame = () => this.handles.place();
     this.scene.isWaiting = () => this.asker.busy || this.loads > 0 || this.uploads.busy;
     this.scene.onCamera = () => this.writeView(false);
+    this.scene.onLoss = (isLost) =>
+      this.say(isLost ? "The browser has lost the picture. If it does not return, reload the page." : "");
     for (const mode of this.modes) mode.settings.onChange = (live) => this.changed(live);
   }
 

@@ -1,7 +1,7 @@
 // Starts the viewer, and publishes its state as `window.geodesicd`.
 
 import { App } from "./app.ts";
-import { button, byId } from "./dom.ts";
+import { button, byId, make } from "./dom.ts";
 import { Derive } from "./derive.ts";
 import { Downloads } from "./download.ts";
 import { embed } from "./embed.ts";
@@ -18,7 +18,10 @@ function start(): App {
   try {
     return new App();
   } catch (error) {
-    byId("busy").textContent = "This page needs WebGL 2. Switch on hardware acceleration.";
+    const text = "This page needs WebGL 2. Switch on hardware acceleration. Without it, use the ";
+    const message = make("p", { role: "alert" }, text, make("a", { href: "/docs" }, "API"), ".");
+    document.body.classList.add("embedded");
+    byId("stage").replaceChildren(message);
     throw error;
   }
 }

@@ -66,6 +66,8 @@ export class Scene {
   onFrame: () => void = () => {};
   /** Whether the page waits for an answer that changes the picture. */
   isWaiting: () => boolean = () => false;
+  /** Called when the browser has lost WebGL, and when it has restored it. */
+  onLoss: (isLost: boolean) => void = () => {};
   /** Called when the user has moved the camera. */
   onCamera: () => void = () => {};
   skin: Skin | undefined;
@@ -113,7 +115,9 @@ export class Scene {
     this.above.add(new HemisphereLight(0xffffff, 0x606870, 2), lamp, this.props);
     this.above.add(this.keptLines.group, this.lines.group);
     this.controls = this.makeControls("y");
+    canvas.addEventListener("webglcontextlost", () => this.onLoss(true));
     canvas.addEventListener("webglcontextrestored", () => {
+      this.onLoss(false);
       this.isShadowCast = false;
       this.redraw();
     });
