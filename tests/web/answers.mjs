@@ -91,8 +91,10 @@ async function cancelled(browser) {
   const release = await hold(page, /\/path\?/);
   await page.getByRole("button", { name: "End", exact: true }).focus();
   await page.keyboard.press("Shift+ArrowRight");
+  await page.locator("#answer[aria-busy=true]").waitFor();
   await page.getByRole("button", { name: "Cancel" }).click();
   await settle(page);
+  assert.equal(await page.locator("#answer").getAttribute("aria-busy"), "false");
   assert.match(await page.locator("#notice .error").textContent(), /cancelled/);
   assert.equal(await page.locator("#answer dd").count(), 0);
   release();
@@ -128,6 +130,32 @@ async function lateCut(browser) {
   const { meshes } = await browser.ask("GET", "/v1/meshes?limit=1000");
   for (const { name } of meshes.filter((mesh) => /^ring(-\d+)?$/.test(mesh.name)))
     await browser.ask("DELETE", `/v1/meshes/${name}`);
+}
+
+/** If the user removes the points, the progress of a question about them disappears. */
+async function removedPoints(browser) {
+  const page = await open(browser, "set");
+  const body = 'data: {"state": "running", "progress": 0.5}\n\n';
+  await page.route(/\/events$/, (route) => route.fulfill({ contentType: "text/event-stream", body }));
+  await page.getByRole("button", { name: "Spread points evenly" }).click();
+  await page.locator("#notice progress").waitFor();
+  await page.locator("#points summary").click();
+  await page.getByRole("button", { name: "Remove all points" }).click();
+  await page.locator("#notice progress").waitFor({ state: "hidden" });
+}
+
+/** When the cursor leaves the picture, the page requests no more values for the legend. */
+async function leftPicture(browser) {
+  const page = await open(browser, "field");
+  await hold(page, /\/evaluate/);
+  let count = 0;
+  page.on("request", (request) => (count += /\/evaluate/.test(request.url()) ? 1 : 0));
+  const { x, y, width, height } = await page.locator("#canvas").boundingBox();
+  for (const step of [0, 4, 8]) await page.mouse.move(x + width / 2 + step, y + height / 2);
+  await page.mouse.move(x + width + 50, y + height / 2);
+  await page.evaluate(() => fetch("/livez"));
+  assert.equal(count, 1);
+  assert.ok(await page.locator(".needle").isHidden());
 }
 
 /** If the stream of a job breaks, the page opens it again. */
@@ -212,6 +240,8 @@ export const tests = {
   "a retry repeats the query": retries,
   "a cancelled question leaves no answer": cancelled,
   "a late cut is not shown": lateCut,
+  "progress ends with the points": removedPoints,
+  "a value of the legend ends with the cursor": leftPicture,
   "a broken stream is opened again": brokenStream,
   "a key that no request can send": wrongKey,
   "a field follows a drag without jobs": fieldDrag,

@@ -81,6 +81,7 @@ export class Answer {
 
   clear(): void {
     this.warn("");
+    this.hideProgress();
     this.body.replaceChildren();
     this.labels = "";
     this.more.replaceChildren();
@@ -108,6 +109,7 @@ export class Answer {
 
   showProgress(label: string, part: number | null, cancel: () => void): void {
     this.notice.showProgress(label, part, cancel);
+    this.body.ariaBusy = "true";
   }
 
   get showsProgress(): boolean {
@@ -116,5 +118,6 @@ export class Answer {
 
   hideProgress(): void {
     this.notice.hideProgress();
+    this.body.ariaBusy = "false";
   }
 }

@@ -461,6 +461,7 @@ export class App {
   private clearAnswer(): void {
     this.mode.clear();
     this.answer.clear();
+    this.tell();
   }
 
   // --- the rest of the page ----------------------------------------------------------------------

@@ -52,7 +52,8 @@ export class Handles {
     node.setAttribute("aria-label", label);
     node.title = `${label}: drag it, or move it by the arrow keys`;
     node.style.setProperty("--mark", mark.group.colour);
-    node.textContent = mark.group.letter ?? (mark.group.most === 1 ? "" : String(mark.index + 1));
+    const { letter = "", most } = mark.group;
+    node.textContent = letter + (most === 1 ? "" : String(mark.index + 1));
   }
 
   private append(): void {

@@ -13,6 +13,7 @@ export class Hover {
     const { canvas } = app.scene;
     canvas.addEventListener("pointermove", (event) => this.move(event));
     canvas.addEventListener("pointerleave", () => this.leave());
+    app.watchers.push(() => this.leave()); /* the value may belong to an earlier answer */
   }
 
   private move(event: PointerEvent): void {
@@ -25,6 +26,7 @@ export class Hover {
 
   private leave(): void {
     this.running.abort();
+    this.asker.drop();
     this.app.bench.legend.point(null);
   }
 

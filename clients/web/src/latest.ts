@@ -16,6 +16,11 @@ export class Latest<T> {
     if (!this.running) void this.run();
   }
 
+  /** Drops the input that waits for the running task. */
+  drop(): void {
+    this.next = undefined;
+  }
+
   private async run(): Promise<void> {
     this.running = true;
     while (this.next !== undefined) {

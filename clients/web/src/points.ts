@@ -32,7 +32,7 @@ export interface Group {
   /** The group's parameter of the address. */
   id: string;
   label: string;
-  /** The label in the picture, for a group of one point. */
+  /** The label in the picture, before the number of the point if the group has several. */
   letter?: string;
   /** Number of points that the query needs. */
   least: number;
@@ -84,7 +84,7 @@ export class Points {
   }
 
   labelOf({ group, index }: Mark): string {
-    return group.most === 1 ? group.label : `${group.label} ${index + 1}`;
+    return group.most === 1 ? group.label : `${group.letter ?? `${group.label} `}${index + 1}`;
   }
 
   private isFull(g: number): boolean {

@@ -18,8 +18,8 @@ export class CurvesMode extends Mode {
   readonly hint =
     "Click the points of curve A, then those of curve B. Shortest paths join them in turn.";
   readonly groups = [
-    { id: "a", label: "A", least: 2, most: 50, colour: INK.first },
-    { id: "b", label: "B", least: 2, most: 50, colour: INK.second },
+    { id: "a", label: "A", letter: "A", least: 2, most: 50, colour: INK.first },
+    { id: "b", label: "B", letter: "B", least: 2, most: 50, colour: INK.second },
   ];
   override settings = new Settings({
     measure: choice("Distance", "min", [
