@@ -111,6 +111,23 @@ const undone = withMeshes(["slow", "quick"], async (browser) => {
   assert.equal(await page.locator("#busy").textContent(), "");
 });
 
+/** A mode of the open surface ends the load of a surface of another kind. */
+const otherMode = withMeshes(["here"], async (browser) => {
+  const { url } = browser.settings;
+  const body = JSON.stringify({ parametric: { torus: { major: 2, minor: 0.7 } } });
+  await fetch(`${url}/v1/nurbs/ring`, { method: "PUT", body });
+  const page = await open(browser, "/#meshes=here&mode=pair");
+  const release = await hold(page, /\/nurbs\/.*\/evaluate/);
+  const choose = (name) => page.getByRole("radio", { name, exact: true }).check({ force: true });
+  await Promise.all([page.waitForRequest(/\/evaluate/), choose("NURBS")]);
+  await choose("Shortest path");
+  release();
+  await settle(page);
+  assert.equal(await shownMesh(page), "here");
+  assert.equal(await page.locator("#busy").textContent(), "");
+  await browser.ask("DELETE", "/v1/nurbs/ring");
+});
+
 /** If the script of the worker does not load, the page says so, and can try again. */
 const worker = withMeshes(["here"], async (browser) => {
   const page = await browser.page("/icon.svg");
@@ -235,6 +252,7 @@ export const tests = {
   "a choice that fails keeps the answer": missingChoice,
   "the surface chosen last is shown": overtaken,
   "undo ends a load": undone,
+  "a mode of another kind ends a load": otherMode,
   "a worker that does not load": worker,
   "a mesh deleted by another client": deleted,
   "a mesh replaced by another client": replaced,

@@ -69,6 +69,19 @@ async function later(browser) {
   await removeAll(browser, "one", "two");
 }
 
+/** A mesh that is dropped on a NURBS surface is uploaded as a mesh. */
+async function meshOnNurbs(browser) {
+  const { url } = browser.settings;
+  const body = JSON.stringify({ parametric: { torus: { major: 2, minor: 0.7 } } });
+  await fetch(`${url}/v1/nurbs/ring`, { method: "PUT", body });
+  const page = await browser.page("/#nurbs=ring&mode=nurbs");
+  await settle(page);
+  await drop(page, ["one.obj", OCTAHEDRON]);
+  await shows(page, "one");
+  await removeAll(browser, "one");
+  await browser.ask("DELETE", "/v1/nurbs/ring");
+}
+
 /** A refused file leaves the shown answer unchanged. */
 async function refused(browser) {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
@@ -123,6 +136,7 @@ export const tests = {
   "a taken name: replace": replace,
   "several files at once": several,
   "a file dropped while another one opens": later,
+  "a mesh dropped on a NURBS surface": meshOnNurbs,
   "a refused file leaves the answer": refused,
   "a file that has changed": changed,
   "the browser asks before leaving a running upload": leaving,

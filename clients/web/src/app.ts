@@ -83,8 +83,9 @@ export class App {
   private placesOf: Surface | undefined;
   /** Number of surfaces and files that are being read. */
   private loads = 0;
-  /** The load of the surface that was chosen last. */
+  /** The load of the surface that was chosen last, and the kind of this surface. */
   private loading = new AbortController();
+  private loadingKind: Kind = "meshes";
   /** Errors about surfaces. */
   private readonly troubles = new Notice();
 
@@ -196,12 +197,17 @@ export class App {
   private async show(kind: Kind, name: string, view: View): Promise<void> {
     const { surface } = this.bench;
     if (surface?.kind !== kind || surface.name !== name) return this.open(kind, name, view);
-    this.loading.abort();
-    this.say("");
+    this.stopLoading();
     this.leaveMode();
     this.mode = view.mode!;
     this.applyView(view.parameters);
     this.enterMode(view.parameters);
+  }
+
+  /** Ends a load, because the user has chosen the open surface instead. */
+  private stopLoading(): void {
+    this.loading.abort();
+    this.say("");
   }
 
   /**
@@ -232,6 +238,7 @@ export class App {
   async open(kind: Kind, name: string, view: View = {}): Promise<void> {
     this.loading.abort();
     const { signal } = (this.loading = new AbortController());
+    this.loadingKind = kind;
     this.troubles.warn("");
     this.say(`Loading ${name}`);
     this.loads++;
@@ -344,6 +351,7 @@ export class App {
   /** Changes the mode. If it needs another kind of surface, opens a surface of that kind. */
   async choose(mode: Mode): Promise<void> {
     const isOpen = this.bench.surface?.kind === mode.kind;
+    if (isOpen && this.loadingKind !== mode.kind) this.stopLoading();
     if (mode === this.mode && isOpen) return;
     if (!isOpen) {
       await this.openKind(mode);

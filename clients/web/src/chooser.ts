@@ -91,9 +91,15 @@ export class Chooser {
     if (name) this.calls.open(kind, name);
   }
 
+  /** Uploads files, read as the user has chosen. Only JSON files can be NURBS surfaces. */
   private take(files: File[]): void {
-    const [, , kind, query] = UPLOADS.find(([value]) => value === this.how.value)!;
-    this.calls.upload(files.map((file) => ({ kind, name: file.name, body: file, query })));
+    const chosen = UPLOADS.find(([value]) => value === this.how.value)!;
+    const uploads = files.map((file) => {
+      const isMesh = chosen[2] === "nurbs" && !/\.json$/i.test(file.name);
+      const [, , kind, query] = isMesh ? UPLOADS[0]! : chosen;
+      return { kind, name: file.name, body: file, query };
+    });
+    this.calls.upload(uploads);
   }
 
   private listenForDrops(): void {
