@@ -66,13 +66,14 @@ const CAUSES = [
   [problem(401, "unauthorized", "no key"), /access key/],
   [problem(404, "not_found", "there is no mesh of this name"), /does not have this surface/],
   [problem(503, "overloaded", "the queue is full"), /busy/],
+  [problem(504, "deadline_exceeded", "the deadline passed"), /longer than the daemon permits/],
   [{ contentType: "application/json", body: '{"dist' }, /does not answer/],
   [null, /does not answer/],
 ];
 
 async function retries(browser) {
   const page = await open(browser);
-  page.tolerate(/status of (401|404|503)|ERR_FAILED/);
+  page.tolerate(/status of (401|404|503|504)|ERR_FAILED/);
   for (const [answer, sentence] of CAUSES) {
     const permit = await refuse(page, answer);
     await nudge(page);

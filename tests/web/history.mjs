@@ -125,6 +125,10 @@ async function files(browser) {
   const npy = await saved(page, "Download Field NPY");
   assert.equal(npy.subarray(1, 6).toString(), "NUMPY");
   assert.match((await saved(page, "Download Lines OBJ")).toString(), /^l /m);
+  page.tolerate(/status of 410/);
+  await page.route(/\/values\?format=csv/, (route) => route.fulfill({ status: 410 }));
+  await page.getByRole("button", { name: "Download Field CSV" }).click();
+  await page.locator("#notice .error").filter({ hasText: /no longer has this result/ }).waitFor();
 }
 
 export const tests = {

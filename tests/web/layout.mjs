@@ -203,6 +203,17 @@ async function keys(browser) {
   for (let axis = 0; axis < 3; axis++) assert.ok(Math.abs(step[axis] - step[axis + 3]) < 2e-4);
 }
 
+/** Colours of the legend have a meaning, so they stay in the colours that the user forces. */
+async function forcedColours(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=set`);
+  await page.emulateMedia({ forcedColors: "active" });
+  await settle(page);
+  const colours = await page.locator(".swatch").evaluateAll((all) =>
+    all.map((swatch) => getComputedStyle(swatch).backgroundColor),
+  );
+  assert.equal(new Set(colours).size, 6);
+}
+
 /** Without WebGL, the page says so, and shows no controls that would do nothing. */
 async function withoutWebGl(browser) {
   const page = await browser.page("/icon.svg", { viewport: { width: 360, height: 640 } });
@@ -249,6 +260,7 @@ export const tests = {
   "a trimmed surface": trims,
   "keys move the picture": keys,
   "delete is in sight": deleting,
+  "forced colours": forcedColours,
   "without WebGL": withoutWebGl,
   "lost WebGL": lostWebGl,
 };

@@ -296,6 +296,9 @@ async function removal(browser) {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=set`);
   await settle(page);
   await page.locator("#points summary").click();
+  await page.getByRole("textbox", { name: "Point 1", exact: true }).fill(" v:12 ");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => window.geodesicd.points.points[0].barycentric.includes(1));
   await page.getByRole("button", { name: "Remove Point 2", exact: true }).click();
   assert.equal(await page.locator(".point").count(), 6); // five points, and a row for a new one
   assert.equal(await focused(page), "Remove Point 2");

@@ -71,7 +71,8 @@ export class PointList {
     });
     input.addEventListener("change", () => {
       input.blur();
-      if (input.value) void take(input.value).then(() => this.show());
+      const text = input.value.trim();
+      if (text) void take(text).then(() => this.show());
     });
     const more = remove ? [button("Remove", remove, { "aria-label": `Remove ${label}` })] : [];
     return make("div", { class: "point" }, make("span", {}, label), input, ...more);
