@@ -104,7 +104,7 @@ async function cancelled(browser) {
   assert.ok((await read(page, "last")).distance > 0);
 }
 
-/** The pieces of a cut are not shown if the user has moved a point or changed the mode meanwhile. */
+/** The pieces of a cut are not shown after the user has moved a point or changed the mode. */
 async function lateCut(browser) {
   await putSample(browser, "ring", "torus", "columns=60", "rows=30");
   const changes = [

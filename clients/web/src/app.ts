@@ -27,7 +27,8 @@ import { type Made, Uploads, type UserFile } from "./uploads.ts";
 const STARTING_FACES = 300000; /* the page opens a larger mesh only if the user requests this */
 const PATIENCE = 700; /* milliseconds until the page shows that it waits for an answer */
 const KINDS: Kind[] = ["meshes", "subdivisions", "nurbs"];
-const RETRIED = [401, 404, 410, 429, 503, 504]; /* statuses after which the same request may succeed */
+/* statuses after which the same request may succeed */
+const RETRIED = [401, 404, 410, 429, 503, 504];
 
 /**
  * Returns whether a ray missed the surface. Near the outline, a ray may hit the preview but not the
@@ -110,8 +111,8 @@ export class App {
     this.scene.onFrame = () => this.handles.place();
     this.scene.isWaiting = () => this.asker.busy || this.loads > 0 || this.uploads.busy;
     this.scene.onCamera = () => this.writeView(false);
-    this.scene.onLoss = (isLost) =>
-      this.say(isLost ? "The browser has lost the picture. If it does not return, reload the page." : "");
+    const lost = "The browser has lost the picture. If it does not return, reload the page.";
+    this.scene.onLoss = (isLost) => this.say(isLost ? lost : "");
     for (const mode of this.modes) mode.settings.onChange = (live) => this.changed(live);
   }
 
