@@ -169,6 +169,15 @@ async function brokenStream(browser) {
   assert.equal(await page.locator("#notice .error").textContent(), "");
 }
 
+/** The daemon does not tell the memory to each key, so the page shows no zeros instead. */
+async function hiddenMemory(browser) {
+  const page = await open(browser);
+  await page.route(/\/metrics/, (route) => route.fulfill({ body: "geodesicd_jobs 0\n" }));
+  await page.locator("#service summary").click();
+  await page.locator("#service").getByText("role operator").waitFor();
+  assert.equal(await page.locator("#service dd").count(), 0);
+}
+
 /** Requests cannot send a key with characters beyond ASCII, so the page does not accept one. */
 async function wrongKey(browser) {
   const page = await open(browser);
@@ -245,6 +254,7 @@ export const tests = {
   "a value of the legend ends with the cursor": leftPicture,
   "a broken stream is opened again": brokenStream,
   "a key that no request can send": wrongKey,
+  "a key that does not see the memory": hiddenMemory,
   "a field follows a drag without jobs": fieldDrag,
   "the cut locus of a source": cutLocus,
 };

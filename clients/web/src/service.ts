@@ -62,6 +62,10 @@ export class ServicePanel {
       label,
       size: of(`memory_bytes{class="${name}"}`),
     })).filter(({ size }) => size > 0);
+    if (!samples.has('geodesicd_memory_bytes{class="meshes"}')) {
+      const text = "On a daemon with keys, only a key with the role operator shows these numbers.";
+      return this.body.replaceChildren(make("p", { class: "faint" }, text));
+    }
     const total = held.reduce((sum, { size }) => sum + size, 0);
     const budget = service.limits.memory_budget_bytes;
     const meter = make("meter", {
