@@ -356,6 +356,22 @@ static enum gd_status step_contact(struct gd__taut *taut, uint32_t i, enum step 
     return GD_OK;
 }
 
+/* Returns true if contact i is one place at a corner of the loop, and if the contact `next` at the
+ * same corner would not press against the obstacle. */
+static bool is_next_loose(const struct gd__taut *taut, uint32_t i, const struct stand *stand,
+                          const struct gd__contact *next)
+{
+    struct gd__contact_place place;
+    struct gd_vec3 way;
+    if (gd__contact_is_arc(&taut->contacts.items[i])) return false;
+    if (stand->has_in && stand->has_out) return is_loose(stand);
+    if (!direction_at(taut, i, stand->has_in ? 0 : 1, &way)) return true;
+    gd__contact_at(taut->task->surface, next, next->begin, &place);
+    double angle = stand->has_in ? gd__contact_turn(next, place.normal, way, place.tangent)
+                                 : gd__contact_turn(next, place.normal, place.tangent, way);
+    return !(angle > GD_TOL_TAUT);
+}
+
 /* If a contact ends at an end of its span and would move farther, adds a contact on the next span
  * and sets *added. */
 static enum gd_status spill_contact(struct gd__taut *taut, uint32_t i, bool *added)
@@ -379,6 +395,7 @@ static enum gd_status spill_contact(struct gd__taut *taut, uint32_t i, bool *add
         if (other < taut->contacts.count && taut->contacts.items[other].loop == next.loop &&
             taut->contacts.items[other].span == next.span)
             continue;
+        if (is_next_loose(taut, i, &stand, &next)) continue;
         *added = true;
         return insert_contact(taut, sign > 0 ? i + 1 : i, &next, i + 1,
                               (const double[2]){next.begin, next.begin});

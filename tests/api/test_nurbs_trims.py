@@ -50,6 +50,17 @@ class Trims(Nurbs):
         straight = self.ask("angle", "path", {"from": [0.5, 0.5], "to": [0.5, 3.5]})
         self.assertEqual((straight["boundary_contact"], straight["warnings"]), (False, []))
 
+    def test_paths_to_corners_of_loops(self):
+        """A straight path to a corner is not taken for a path along the next edge of the loop."""
+        for name, loops in {"square": [[1, 1], [3, 1], [3, 3], [1, 3]], "triangle": [[1, 1], [3, 1], [2, 3]]}.items():
+            self.assertEqual(self.put(name, plate(holes=[[{"polyline": [*loops, loops[0]]}]])).status, 201)
+        for name, start, end, length in (("angle", [4, 0], [1, 1], math.hypot(3, 1)), ("angle", [0, 4], [1, 1], math.hypot(1, 3)),
+                                         ("square", [2.5, 0.2], [1, 1], math.hypot(1.5, 0.8)), ("square", [3.7, 3.1], [1, 3], math.hypot(2.7, 0.1)),
+                                         ("triangle", [3.6, 0.6], [1, 1], math.hypot(2.6, 0.4))):
+            with self.subTest(name=name, start=start, end=end):
+                for ends in ((start, end), (end, start)):
+                    self.assertAlmostEqual(self.ask(name, "path", {"from": ends[0], "to": ends[1]})["length"], length, 12)
+
     def test_points_on_sampled_paths_are_in_the_domain(self):
         points = self.ask("plate", "path", {"from": [0.5, 2.1], "to": [3.5, 2], "samples": 100})["points"]
         self.assertEqual(len(self.ask("plate", "evaluate", {"uv": [point["uv"] for point in points]})["points"]), 100)
