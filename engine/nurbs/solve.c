@@ -65,9 +65,8 @@ static enum gd_status newton(struct gd__newton_limits limits, struct gd__solutio
     return status;
 }
 
-/* Returns true if all control points of a span lie on one border. The path then follows the border,
- * and its curvature is not an error. */
-static bool follows_border(const struct gd__chain *chain, const struct gd__piece *piece,
+/* Returns true if all control points of a span lie on one border. */
+static bool lies_on_border(const struct gd__chain *chain, const struct gd__piece *piece,
                            uint32_t span)
 {
     for (int k = 0; k < 2; k++) {
@@ -79,6 +78,23 @@ static bool follows_border(const struct gd__chain *chain, const struct gd__piece
         if (i > chain->degree) return true;
     }
     return false;
+}
+
+/* Returns true if the path follows the border along a span and the spans beside it. The curvature of
+ * such a span is not an error. Where a path leaves the border, it may leave within a span that lies
+ * on the border, so the curvature of the last span on the border counts. */
+static bool follows_border(const struct gd__chain *chain, const struct gd__piece *piece,
+                           uint32_t span)
+{
+    const struct gd__piece *before = piece, *after = piece, *first = chain->pieces,
+                           *last = chain->pieces + chain->piece_count - 1;
+    bool is_first = span == 0, is_last = span + 1 == piece->spans;
+    if (!lies_on_border(chain, piece, span)) return false;
+    if (is_first && piece > first) before = piece - 1;
+    if (is_last && piece < last) after = piece + 1;
+    return ((is_first && piece == first) ||
+            lies_on_border(chain, before, is_first ? before->spans - 1 : span - 1)) &&
+           ((is_last && piece == last) || lies_on_border(chain, after, is_last ? 0 : span + 1));
 }
 
 /* Returns a bound of the length that can be saved by halving a span. Let e be the sideways distance

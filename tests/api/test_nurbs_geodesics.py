@@ -6,7 +6,7 @@ import time
 import unittest
 
 from harness import wait_until
-from nurbs import ANNULUS, CONE, CYLINDER, HELICOID, PI, PLANE, SADDLE, TORUS, Nurbs, bumps, rational_sphere, rational_torus, spline_at, wavy
+from nurbs import ANNULUS, CIRCLE, CIRCLE_KNOTS, CONE, CYLINDER, HELICOID, PI, PLANE, SADDLE, TORUS, Nurbs, bumps, circle_weight, rational_sphere, rational_torus, spline_at, wavy
 
 
 class Geodesics(Nurbs):
@@ -199,6 +199,23 @@ class Geodesics(Nurbs):
         self.assert_near(answer["length"], 2 * math.sqrt(1.2**2 - 1) + PI - 2 * math.acos(1 / 1.2), 1e-9)
         self.assertTrue(answer["boundary_contact"])
         self.assertIn("boundary_contact", answer["warnings"])
+
+    def test_where_a_path_leaves_the_border(self):
+        """A path along the inner circle of an annulus leaves the circle within a span of the
+        spline. The error estimate includes this span."""
+        points = [[[r * x, r * y, 0] for r in (1, 3)] for x, y in CIRCLE]
+        weights = [[circle_weight(i)] * 2 for i in range(9)]
+        self.put("rational", {"degreeU": 2, "degreeV": 1, "knotsU": CIRCLE_KNOTS, "knotsV": [0, 0, 1, 1], "controlPoints": points, "weights": weights})
+        for a, b in (([0.5659181666724791, 0.13800502163322748], [0.8902661815581756, 0.3509656940636081]),
+                     ([0.4840698407562408, 0.1092219935104376], [0.907560516238983, 0.5140527790107382])):
+            p, q = (point["xyz"] for point in self.ask("rational", "evaluate", {"uv": [a, b]})["points"])
+            r, s = math.hypot(*p), math.hypot(*q)
+            angle = (math.atan2(q[1], q[0]) - math.atan2(p[1], p[0])) % (2 * PI)
+            expected = math.sqrt(r * r - 1) + math.sqrt(s * s - 1) + min(angle, 2 * PI - angle) - math.acos(1 / r) - math.acos(1 / s)
+            for tolerance in (1e-5, 1e-7, 1e-9, 1e-11):
+                answer = self.ask("rational", "path", {"from": a, "to": b, "tolerance": tolerance})
+                self.assertLess(abs(answer["length"] - expected), answer["error_estimate"])
+                self.assertLess(answer["error_estimate"], 10 * tolerance)
 
     def test_geometry_and_fields(self):
         ask = lambda options: self.ask("saddle", "geodesic", {"from": [0, 0], "to": [1, 1], "samples": 3}, options)
