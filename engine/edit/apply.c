@@ -112,16 +112,18 @@ static enum gd_status chain_step(struct chain *chain, const struct gd_edit_step 
     return GD_OK;
 }
 
-static enum gd_status chain_run(struct chain *chain, const struct gd_edit_step *steps,
-                                uint32_t count, struct gd_detail *detail)
+static enum gd_status chain_run(struct chain *chain, const struct gd_edit_steps *steps,
+                                struct gd_detail *detail)
 {
     enum gd_status status = GD_OK;
-    for (uint32_t i = 0; !status && i < count; i++) {
-        for (uint32_t k = 0; !status && k < rounds(&steps[i]); k++)
-            status = chain_step(chain, &steps[i], detail);
+    for (uint32_t i = 0; !status && i < steps->count; i++) {
+        const struct gd_edit_step *step = &steps->items[i];
+        if (steps->failed) *steps->failed = i;
+        for (uint32_t k = 0; !status && k < rounds(step); k++)
+            status = chain_step(chain, step, detail);
     }
     /* gd_simplify has already measured the distance */
-    if (status || (count == 1 && steps->kind == GD_EDIT_SIMPLIFY)) return status;
+    if (status || (steps->count == 1 && steps->items->kind == GD_EDIT_SIMPLIFY)) return status;
     struct gd_control control = gd__share_control(&chain->share, chain->made.bytes);
     return gd__edited_measure(&chain->made, chain->original, chain->kept, &control, detail);
 }
@@ -154,7 +156,7 @@ enum gd_status gd_edit_apply(const struct gd_mesh *mesh, const struct gd_edit_st
     chain.share.total = 2 * total + 1;
     chain.mesh = gd_mesh_retain(mesh);
     chain.kept = gd__edit_counts(mesh).faces;
-    status = chain_run(&chain, steps->items, steps->count, detail);
+    status = chain_run(&chain, steps, detail);
     gd_mesh_release(chain.mesh);
     if (status)
         gd_edited_free(&chain.made);

@@ -16,7 +16,7 @@ struct proto_edits {
 /* Returns the steps in the engine's form, borrowed. */
 static inline struct gd_edit_steps proto_edits_steps(const struct proto_edits *edits)
 {
-    return (struct gd_edit_steps){edits->steps, edits->count};
+    return (struct gd_edit_steps){.items = edits->steps, .count = edits->count};
 }
 
 struct proto_derive {

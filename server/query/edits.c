@@ -24,8 +24,9 @@ bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
     struct server_host *host = part->exchange->host;
     const struct gd_mesh *mesh = edits->surface->mesh;
     uint32_t faces = gd_mesh_summary(mesh)->faces;
-    const struct gd_edit_steps steps = proto_edits_steps(&edits->edits);
+    struct gd_edit_steps steps = proto_edits_steps(&edits->edits);
     struct gd_detail detail = {.text = ""};
+    uint32_t failed = 0;
     struct server_budgeted_call call = {.workspaces = host->workspaces,
                                         .control = server_exchange_control(part),
                                         .grant = gd_edit_cost(faces),
@@ -33,6 +34,7 @@ bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
     edits->budget = host->budget;
     call.control.executor = server_executor_start(host->workers, faces > SHARED_FACES ? 2 : 1,
                                                   part->exchange->job.deadline_ns);
+    steps.failed = &failed;
     while (server_budgeted_call_next(&call)) {
         detail.text[0] = '\0'; /* removes the text of an earlier attempt that had less memory */
         call.status = gd_edit_apply(mesh, &steps, &call.control, &edits->edited, &detail);
@@ -41,7 +43,15 @@ bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
     server_executor_stop(call.control.executor);
     if (!call.status) return true;
     server_metrics_count_status(host->metrics, call.status);
-    return edits_fail(edits, call.status, &detail, problem);
+    edits_fail(edits, call.status, &detail, problem);
+    /* the decoder has checked all members but `skip`, which depends on the mesh */
+    if (call.status == GD_INVALID_ARGUMENT && !edits->is_upload) {
+        char place[PROTO_PLACE];
+        proto_place_of_element(place, "/operations", failed);
+        proto_problem_at(problem, place);
+        proto_problem_descend(problem, "skip");
+    }
+    return false;
 }
 
 void server_edits_free(struct server_edits *edits)

@@ -76,7 +76,9 @@ class Derive(TestCase):
         self.assertEqual(second["derived_from"]["operations"], [{"operation": "components", "keep": 1, "skip": 1}])
         self.assertEqual(self.daemon.get("/v1/meshes/made/origins").json["origins"][0], [1, 1, 0, 0])
         problem = self.assert_problem(self.daemon.ask("apart", "derive", {"mesh": "none", "operations": [{"operation": "components", "skip": 2}]}), 400, "invalid_request")
-        self.assertIn("none of 2 components", problem["detail"])
+        self.assertEqual((problem["pointer"], "none of 2 components" in problem["detail"]), ("/operations/0/skip", True))
+        body = {"mesh": "none", "operations": [{"operation": "components", "keep": 1}, {"operation": "components", "keep": 1, "skip": 1}]}
+        self.assertEqual(self.assert_problem(self.daemon.ask("apart", "derive", body), 400, "invalid_request")["pointer"], "/operations/1/skip")
 
     def test_fill_smooth_subdivide(self):
         closed = self.derive("tube", {"operation": "fill"})

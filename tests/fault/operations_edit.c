@@ -14,7 +14,8 @@ static void open_edits(void)
                                       .subdivide = {GD_SUBDIVIDE_LOOP, 1}};
     closed = test_sample("icosphere", (double[SAMPLE_PARAMETERS]){1, 1}, NULL);
     open_ended = test_sample("cylinder", (double[SAMPLE_PARAMETERS]){1, 2, 8, 2}, NULL);
-    check_ok(gd_edit_apply(open_ended, &(struct gd_edit_steps){&step, 1}, NULL, &subdivided, NULL),
+    check_ok(gd_edit_apply(open_ended, &(struct gd_edit_steps){.items = &step, .count = 1}, NULL,
+                           &subdivided, NULL),
              NULL);
 }
 
@@ -41,7 +42,8 @@ static const struct answer an_edited = {sizeof(struct gd_edited), digest_edited,
 
 static enum gd_status apply(const struct gd_mesh *mesh, struct gd_edit_step step, void *out)
 {
-    return gd_edit_apply(mesh, &(struct gd_edit_steps){&step, 1}, NULL, out, NULL);
+    return gd_edit_apply(mesh, &(struct gd_edit_steps){.items = &step, .count = 1}, NULL, out,
+                         NULL);
 }
 
 static enum gd_status simplify(void *out)
@@ -104,7 +106,8 @@ static enum gd_status several(void *out)
         {.kind = GD_EDIT_FILL, .fill = {GD_FILL_EDGES}},
         {.kind = GD_EDIT_SUBDIVIDE, .subdivide = {GD_SUBDIVIDE_LOOP, 1}},
         {.kind = GD_EDIT_SIMPLIFY, .simplify = {.faces = 30}}};
-    return gd_edit_apply(open_ended, &(struct gd_edit_steps){steps, COUNT(steps)}, NULL, out, NULL);
+    return gd_edit_apply(open_ended, &(struct gd_edit_steps){.items = steps, .count = COUNT(steps)},
+                         NULL, out, NULL);
 }
 
 static void digest_parts(struct digest *digest, const void *out)

@@ -93,7 +93,8 @@ static void check_same(const struct gd_edited *a, const struct gd_edited *b)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct gd_edit_step items[MOST_STEPS];
-    struct gd_edit_steps steps = {items, 1 + soup_next(&data, &size) % MOST_STEPS};
+    struct gd_edit_steps steps = {.items = items,
+                                  .count = 1 + soup_next(&data, &size) % MOST_STEPS};
     struct gd_detail detail = {.text = ""};
     struct gd_edited edited, again;
     struct soup soup;

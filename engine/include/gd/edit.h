@@ -172,6 +172,7 @@ struct gd_edit_step {
 struct gd_edit_steps {
     const struct gd_edit_step *items;
     uint32_t count;
+    uint32_t *failed; /* receives the index of the last step that was begun; may be NULL */
 };
 
 /* Applies the steps in order. The origins of the result are points of `mesh`: kept vertices keep

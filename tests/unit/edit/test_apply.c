@@ -5,7 +5,8 @@ static struct gd_edited applied(const struct gd_mesh *mesh, const struct gd_edit
 {
     struct gd_detail detail = {0};
     struct gd_edited edited;
-    check_ok(gd_edit_apply(mesh, &(struct gd_edit_steps){items, count}, NULL, &edited, &detail),
+    check_ok(gd_edit_apply(mesh, &(struct gd_edit_steps){.items = items, .count = count}, NULL,
+                           &edited, &detail),
              &detail);
     return edited;
 }
@@ -86,8 +87,10 @@ static void steps_are_checked(void **state)
     struct gd_edit_step many[GD_EDIT_STEPS_MOST + 1] = {
         {.kind = GD_EDIT_SUBDIVIDE, .subdivide = {GD_SUBDIVIDE_LOOP, 0}}};
     const struct gd_edit_step unknown = {.kind = (enum gd_edit_kind)99};
-    const struct gd_edit_steps bad[] = {
-        {many, 0}, {many, GD_EDIT_STEPS_MOST + 1}, {many, 1}, {&unknown, 1}};
+    const struct gd_edit_steps bad[] = {{.items = many, .count = 0},
+                                        {.items = many, .count = GD_EDIT_STEPS_MOST + 1},
+                                        {.items = many, .count = 1},
+                                        {.items = &unknown, .count = 1}};
     struct gd_edited edited = {.bytes = 7};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct gd_detail detail = {0};
@@ -105,7 +108,7 @@ static void budget_deadline_and_cancel(void **state)
     const struct gd_edit_step items[] = {{.kind = GD_EDIT_FILL, .fill = {GD_FILL_EDGES}},
                                          {.kind = GD_EDIT_SMOOTH, .smooth = {2, GD_SMOOTH_BOTH, 1}},
                                          {.kind = GD_EDIT_SIMPLIFY, .simplify = {.faces = 100}}};
-    const struct gd_edit_steps steps = {items, 3};
+    const struct gd_edit_steps steps = {.items = items, .count = 3};
     const struct gd_control small = {.budget_bytes = 1000}, late = {.deadline_ns = 1};
     struct gd_edited edited;
     assert_int_equal(gd_edit_apply(mesh, &steps, &small, &edited, NULL), GD_BUDGET);

@@ -4,7 +4,8 @@ static struct gd_edited whole(const struct gd_mesh *mesh, const struct gd_edit_s
 {
     struct gd_detail detail = {0};
     struct gd_edited edited;
-    check_ok(gd_edit_apply(mesh, &(struct gd_edit_steps){step, 1}, NULL, &edited, &detail),
+    check_ok(gd_edit_apply(mesh, &(struct gd_edit_steps){.items = step, .count = 1}, NULL, &edited,
+                           &detail),
              &detail);
     return edited;
 }

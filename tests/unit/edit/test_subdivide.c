@@ -6,7 +6,8 @@ static struct gd_edited subdivided(const struct gd_mesh *mesh, enum gd_subdivide
     const struct gd_edit_step step = {.kind = GD_EDIT_SUBDIVIDE, .subdivide = {scheme, levels}};
     struct gd_edited edited;
     struct gd_detail detail = {0};
-    check_ok(gd_edit_apply(mesh, &(struct gd_edit_steps){&step, 1}, NULL, &edited, &detail),
+    check_ok(gd_edit_apply(mesh, &(struct gd_edit_steps){.items = &step, .count = 1}, NULL, &edited,
+                           &detail),
              &detail);
     return edited;
 }
@@ -88,16 +89,17 @@ static void bad_levels_and_control(void **state)
     struct gd_edited edited;
     for (uint32_t levels = 0; levels < 8; levels += 7) {
         const struct gd_edit_step step = {.kind = GD_EDIT_SUBDIVIDE, .subdivide.levels = levels};
-        assert_int_equal(
-            gd_edit_apply(mesh, &(struct gd_edit_steps){&step, 1}, NULL, &edited, NULL),
-            GD_INVALID_ARGUMENT);
+        assert_int_equal(gd_edit_apply(mesh, &(struct gd_edit_steps){.items = &step, .count = 1},
+                                       NULL, &edited, NULL),
+                         GD_INVALID_ARGUMENT);
     }
     const struct gd_edit_step step = {.kind = GD_EDIT_SUBDIVIDE, .subdivide.levels = 2};
     enum gd_status status = GD_CANCELLED;
     for (uint32_t calls = 1; status == GD_CANCELLED; calls = 2 * calls + 1) {
         struct test_watch watch = {.most = calls};
         const struct gd_control control = {.progress = test_watch, .user = &watch};
-        status = gd_edit_apply(mesh, &(struct gd_edit_steps){&step, 1}, &control, &edited, NULL);
+        status = gd_edit_apply(mesh, &(struct gd_edit_steps){.items = &step, .count = 1}, &control,
+                               &edited, NULL);
         assert_true(status == GD_OK || status == GD_CANCELLED);
     }
     gd_edited_free(&edited);
