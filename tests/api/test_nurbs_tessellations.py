@@ -105,7 +105,8 @@ class Tessellations(Nurbs):
             with self.subTest(document=document):
                 self.assertEqual(self.refusal("saddle", "tessellate", document)["pointer"], pointer)
         self.assert_problem(self.post("saddle", "tessellate", {"mesh": "m", "resolution": [100000, 100000]}), 413, "too_large")
-        self.assert_problem(self.post("ring", "tessellate", {"mesh": "m", "tolerance": 1e-12}), 413, "too_large")
+        problem = self.assert_problem(self.post("ring", "tessellate", {"mesh": "m", "tolerance": 1e-12}), 413, "too_large")
+        self.assertEqual(problem["pointer"], "/tolerance")
         self.assert_problem(self.daemon.get("/v1/meshes/m"), 404, "not_found")
 
 

@@ -90,11 +90,15 @@ class Trims(Nurbs):
         self.assertTrue(all(math.dist(uv, (2, 2)) > 1 - 1e-9 for uv in places))
 
     def test_what_trimmed_surfaces_do_not_offer(self):
-        for member, value in (("turns", [0, 0]), ("initial", {"polyline": [[0.5, 2], [0.5, 3]]})):
-            body = {"from": [0.5, 2], "to": [0.5, 3], member: value}
-            problem = self.assert_problem(self.post("plate", "path", body), 400, "invalid_request")
+        ends, curve = {"from": [0.5, 2], "to": [0.5, 3]}, {"iso": "u", "value": 3.5}
+        for query, body, member, value in (("path", ends, "turns", [0, 0]), ("path", ends, "initial", {"polyline": [[0.5, 2], [0.5, 3]]}),
+                                           ("path", ends, "degree", 2), ("path", ends, "control_points", 9),
+                                           ("point-curve-distance", {"point": [0.5, 2], "curve": curve}, "all_minima", True)):
+            problem = self.refusal("plate", query, {**body, member: value})
             self.assertEqual(problem["pointer"], f"/{member}")
-        self.assert_problem(self.post("plate", "path", {"from": [0.5, 2], "to": [0.5, 3], "degree": 2}), 400, "invalid_request")
+        for option in ("degree=2", "control_points=9"):
+            problem = self.assert_problem(self.daemon.get(f"/v1/nurbs/plate/path?from=0.5,2&to=0.5,3&{option}"), 400, "invalid_request")
+            self.assertEqual(problem["parameter"], option.split("=")[0])
 
     def test_faulty_loops(self):
         bow = [{"polyline": [[1, 1], [3, 3], [1, 3], [3, 1], [1, 1]]}]

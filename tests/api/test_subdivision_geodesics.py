@@ -116,7 +116,8 @@ class Trace(Subdivisions):
         self.assertEqual(self.ask("cube", "trace", {**good, "fan": 10001}, 413)["limit"], 10000)
         self.assertEqual(self.ask("prism", "trace", {**good, "level": 0, "start": {"face": 0, "uv": [0, 0]}}, 400)["pointer"], "/level")
         for smooth in (True, False):
-            self.ask("cube", "trace", {"start": MIDDLE, "length": 1, "directions": [[0, 0, 1]], "smooth": smooth}, 400)
+            problem = self.ask("cube", "trace", {"start": MIDDLE, "length": 1, "directions": [0, [0, 0, 1]], "smooth": smooth}, 400)
+            self.assertEqual(problem["pointer"], "/directions/1")
         self.ask("cube", "trace?timeout_ms=1", {**good, "fan": 10000, "length": 1000, "smooth": True}, 504)
 
     def test_as_a_job(self):

@@ -303,7 +303,10 @@ class Discretize(Subdivisions):
                                   ({"mesh": "x", "level": 13}, "/level"), ({"mesh": "x", "tolerance": 0}, "/tolerance")]:
             self.assertEqual(self.ask("cube", "tessellate", document, 400)["pointer"], pointer, document)
         self.ask("prism", "discretize", {"mesh": "x", "level": 0}, 400)
-        self.assertIn(self.ask("cube", "tessellate", {"mesh": "x", "tolerance": 1e-14}, 413)["code"], ("too_large",))
+        for query, body, pointer in (("tessellate", {"mesh": "x", "tolerance": 1e-14}, "/tolerance"), ("tessellate", {"mesh": "x", "level": 12}, "/level"),
+                                     ("levels", {"level": 12}, "/level"), ("distance", {"from": MIDDLE, "to": MIDDLE, "level": 12}, "/level")):
+            problem = self.ask("cube", query, body, 413)
+            self.assertEqual((problem["code"], problem["pointer"]), ("too_large", pointer))
         self.assertEqual(self.daemon.get("/v1/meshes/x").status, 404)
         self.daemon.put("square", SQUARE)
         self.assert_problem(self.daemon.get("/v1/meshes/square/places"), 404, "not_found")

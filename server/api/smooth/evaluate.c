@@ -20,8 +20,11 @@ enum server_query_turn server_smooth_fail(const struct server_query *query, enum
     if (status == GD_BUDGET || !detail->text[0]) return server_query_fail(query, status, what);
     if (status == GD_INTERNAL) status = GD_DEGENERATE_FACE;
     proto_problem_from_status(query->problem, status, detail);
-    if (status == GD_TOO_LARGE)
+    if (status == GD_TOO_LARGE) {
         proto_problem_limit(query->problem, query->exchange->host->api->config->max_faces);
+        proto_problem_at(query->problem,
+                         server_exchange_is(query->exchange, "GET") ? "level" : "/level");
+    }
     return SERVER_QUERY_FAILED;
 }
 

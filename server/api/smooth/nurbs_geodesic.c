@@ -29,15 +29,40 @@ struct search {
     struct gd_detail detail;
 };
 
+/* Rejects members that trimmed surfaces do not support. */
+static bool search_check_trimmed(const struct proto_geodesic *wanted, struct proto_problem *problem)
+{
+    const struct gd_geodesic_options *options = &wanted->options;
+    const bool *is_curve = wanted->form->is_curve;
+    if (wanted->has_initial || wanted->has_turns)
+        return proto_problem_refuse(problem, wanted->has_initial ? "/initial" : "/turns",
+                                    "a trimmed surface takes no initial curve and no turns; list "
+                                    "all minima instead");
+    if (options->degree != GD_GEODESIC_DEGREE)
+        return proto_problem_refuse(problem, "/degree",
+                                    "paths on a trimmed surface have degree %d; leave it out",
+                                    GD_GEODESIC_DEGREE);
+    if (options->control_points)
+        return proto_problem_refuse(problem, "/control_points",
+                                    "paths on a trimmed surface have as many control points as "
+                                    "the tolerance needs; leave it out");
+    return !options->all_minima || !(is_curve[0] || is_curve[1]) ||
+           proto_problem_refuse(problem, "/all_minima",
+                                "on a trimmed surface all minima are listed between points only");
+}
+
 /* Decodes the request. On a surface without a tessellation, paths can't be computed; the problem
  * gives the reason. */
 static bool search_decode(struct server_query *query, const json_t *document)
 {
     struct proto_problem *problem = query->problem;
+    struct proto_geodesic *wanted = &((struct search *)query)->wanted;
     const struct server_nurbs *nurbs = server_nurbs_of(query->surface);
+    bool has_outer;
     if (nurbs->tessellation)
-        return proto_geodesic_decode(document, query->kind->own, &((struct search *)query)->wanted,
-                                     problem);
+        return proto_geodesic_decode(document, query->kind->own, wanted, problem) &&
+               (!gd_parametric_loops(nurbs->surface, &has_outer) ||
+                search_check_trimmed(wanted, problem));
     proto_problem_set(
         problem, PROTO_PROBLEM_INVALID_MESH,
         "the search for shortest paths needs a tessellation, and this surface has none: %s",
@@ -132,7 +157,15 @@ static enum server_query_turn search_solve(struct server_query *query)
             proto_problem_at(query->problem, search->wanted.has_initial ? "/initial" : "/turns");
         return SERVER_QUERY_FAILED;
     }
-    if (call.status) return server_query_fail(query, call.status, WHAT);
+    if (call.status) {
+        server_query_fail(query, call.status, WHAT);
+        if (call.status == GD_INTERNAL)
+            proto_problem_set(query->problem, PROTO_PROBLEM_INTERNAL,
+                              "%s; request a larger tolerance, or report the request",
+                              search->detail.text[0] ? search->detail.text
+                                                     : gd_status_sentence(call.status));
+        return SERVER_QUERY_FAILED;
+    }
     const struct proto_geodesic_answer answer = search_answer(search);
     enum gd_status status = proto_geodesic_encode(&query->draft, &answer, &query->options);
     return server_query_end_draft(query, status, "the answer");

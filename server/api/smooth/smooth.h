@@ -7,7 +7,7 @@
 
 /* Like server_query_fail, but adds the engine's detail to the problem. Where control points
  * coincide, a surface may have no normal. This is the client's error invalid_mesh, not an internal
- * error. Returns FAILED. */
+ * error. The place of too_large is the member `level`. Returns FAILED. */
 enum server_query_turn server_smooth_fail(const struct server_query *query, enum gd_status status,
                                           const struct gd_detail *detail, const char *what);
 

@@ -150,6 +150,7 @@ struct trace {
     struct gd_trace_options options;
     struct gd_limit_jet jet; /* jet at the start */
     struct gd_detail detail;
+    uint32_t current; /* index of the current direction */
     /* On the triangles of a level: */
     struct server_discretization *grid, *discretization; /* `discretization` is the mesh, or NULL */
     struct gd_point start;
@@ -401,6 +402,7 @@ static enum gd_status trace_write_paths(struct trace *trace)
                                     &trace->detail);
     proto_member_array(writer, "paths");
     for (uint32_t i = 0; i < trace->wanted.count && !status; i++) {
+        trace->current = i;
         status = needs_mesh ? mesh_write(trace, i) : grid_write(trace, i);
         if (!status) status = server_query_pause(&trace->query, NULL, 0);
     }
@@ -432,7 +434,13 @@ static enum server_query_turn trace_solve(struct server_query *query)
         proto_member_uint(writer, "level", wanted->level);
     if (!status && fields & PROTO_LIMIT_TRACE_FIELD_PATHS) status = trace_write_paths(trace);
     proto_write_object_end(writer);
-    if (status) return server_smooth_fail(query, status, &trace->detail, "the trace");
+    if (status) {
+        server_smooth_fail(query, status, &trace->detail, "the trace");
+        if (status == GD_INVALID_ARGUMENT && !wanted->request.has_fan)
+            proto_problem_at(query->problem,
+                             wanted->request.directions.items[trace->current].place);
+        return SERVER_QUERY_FAILED;
+    }
     return server_query_end_draft(query, GD_OK, "the trace");
 }
 

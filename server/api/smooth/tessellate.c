@@ -226,7 +226,9 @@ static enum server_query_turn tessellate_solve(struct server_query *query)
         if (call.status != GD_BUDGET)
             proto_problem_from_status(query->problem, call.status, &meshing->detail);
         if (call.status == GD_TOO_LARGE)
-            proto_problem_limit(query->problem, GD_TESSELLATION_FACES_MAX);
+            proto_problem_exceed(query->problem, "/tolerance", GD_TESSELLATION_FACES_MAX,
+                                 "the tolerance needs more than %d triangles; choose a larger one",
+                                 GD_TESSELLATION_FACES_MAX);
         return SERVER_QUERY_FAILED;
     }
     const struct mesher mesher = {&nurbs_format, meshing->tessellate.mesh.text,
@@ -285,8 +287,12 @@ static enum server_query_turn discretize_solve(struct server_query *query)
                           &meshing->discretize.options, &call.control, made, &meshing->detail);
         if (!call.status) call.kept = discretization_bytes(made);
     }
-    if (call.status)
-        return server_smooth_fail(query, call.status, &meshing->detail, "the discretization");
+    if (call.status) {
+        server_smooth_fail(query, call.status, &meshing->detail, "the discretization");
+        if (call.status == GD_TOO_LARGE && meshing->discretize.options.tolerance > 0)
+            proto_problem_at(query->problem, "/tolerance");
+        return SERVER_QUERY_FAILED;
+    }
     const struct mesher mesher = {&limit_format, meshing->discretize.mesh.text,
                                   &meshing->discretization.polygons, discretize_write};
     return meshing_end(meshing, &mesher);
