@@ -6,6 +6,7 @@
 
 #include "base/array.h"
 #include "base/tolerance.h"
+#include "nurbs/energy.h"
 
 enum {
     ROUNDS_MOST = 80,
@@ -533,13 +534,28 @@ static enum gd_status taut_iterate(struct gd__taut *taut)
     return status;
 }
 
+/* Returns the length of a chain by quadrature. The square root of twice its energy is larger where
+ * the speed is uneven, for example along a border of the domain. */
+static double chain_length(const struct gd__chain *chain)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < chain->piece_count; i++)
+        for (uint32_t span = 0; span < chain->pieces[i].spans; span++)
+            sum += gd__energy_length(chain, &chain->pieces[i], span, gd__chain_gauss(chain), 1);
+    return sum;
+}
+
 static enum gd_status taut_measure(struct gd__taut *taut)
 {
     const struct gd__task *task = taut->task;
     for (uint32_t i = 0; i < taut->gap_count; i++) {
         const struct gd__solution *solution = &taut->gaps[i].solution;
         if (taut->gaps[i].is_empty) continue;
-        taut->length += solution->report.length;
+        if (!taut->gaps[i].is_solved) { /* the last round has changed this gap */
+            taut->is_taut = false;
+            continue;
+        }
+        taut->length += chain_length(solution->chain);
         taut->error += solution->error;
         bool is_proven = solution->converged && solution->report.converged &&
                          solution->report.positive && !gd__solution_is_bent(task, solution);

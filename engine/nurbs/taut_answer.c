@@ -244,7 +244,7 @@ static enum gd_status find_path(const struct gd__task *task,
     bool is_kept =
         path->taut.is_taut && fabs(path->taut.length - seed->length) <= mesh_error * seed->length;
     if (!is_kept) *doubtful = fmin(*doubtful, seed->length);
-    path->middle = middle_of(&path->taut);
+    if (is_kept) path->middle = middle_of(&path->taut);
     for (uint32_t i = 0; i < *count && is_kept; i++)
         is_kept =
             fabs(found[i].taut.length - path->taut.length) > same_path * path->taut.length ||

@@ -5,7 +5,7 @@ import math
 import unittest
 
 from harness import Folder
-from nurbs import CIRCLE_KNOTS, JSON, Nurbs
+from nurbs import CIRCLE, CIRCLE_KNOTS, JSON, Nurbs, circle_weight
 
 HALF = math.sqrt(0.5)
 
@@ -60,6 +60,20 @@ class Trims(Nurbs):
             with self.subTest(name=name, start=start, end=end):
                 for ends in ((start, end), (end, start)):
                     self.assertAlmostEqual(self.ask(name, "path", {"from": ends[0], "to": ends[1]})["length"], length, 12)
+
+    def test_paths_along_the_border(self):
+        """A path along the inner circle of a quarter of an annulus has the length of the arc,
+        although its speed is uneven."""
+        points = [[[r * x, r * y, 0] for r in (1, 3)] for x, y in CIRCLE[:3]]
+        weights = [[circle_weight(i) * 20**i] * 2 for i in range(3)]
+        self.put("ring", {"degreeU": 2, "degreeV": 1, "knotsU": [0, 0, 0, 1, 1, 1], "knotsV": [0, 0, 1, 1], "controlPoints": points, "weights": weights,
+                          "trims": {"holes": [circle(0.8, 0.7, 0.1)]}})
+        for a, b in ((0, 1), (0, 0.5), (0.01, 0.9)):
+            p, q = (point["xyz"] for point in self.ask("ring", "evaluate", {"uv": [[a, 0], [b, 0]]})["points"])
+            angle = (math.atan2(q[1], q[0]) - math.atan2(p[1], p[0])) % (2 * math.pi)
+            for tolerance in (1e-5, 1e-8, 1e-11):
+                answer = self.ask("ring", "path", {"from": [a, 0], "to": [b, 0], "tolerance": tolerance})
+                self.assertLess(abs(answer["length"] - angle), answer["error_estimate"] + 1e-13)
 
     def test_points_on_sampled_paths_are_in_the_domain(self):
         points = self.ask("plate", "path", {"from": [0.5, 2.1], "to": [3.5, 2], "samples": 100})["points"]
