@@ -65,9 +65,8 @@ static enum gd_status newton(struct gd__newton_limits limits, struct gd__solutio
     return status;
 }
 
-/* Returns true if all control points of a span lie on one border. */
-static bool lies_on_border(const struct gd__chain *chain, const struct gd__piece *piece,
-                           uint32_t span)
+/* Returns the direction whose border contains all control points of a span, or -1. */
+static int border_of(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span)
 {
     for (int k = 0; k < 2; k++) {
         const struct gd_axis *axis = chain->surface->axis[k];
@@ -75,9 +74,28 @@ static bool lies_on_border(const struct gd__chain *chain, const struct gd__piece
         if (axis->closed || (first > axis->low && first < axis->high)) continue;
         uint32_t i = 1;
         while (i <= chain->degree && piece->points[span + i][k] == first) i++;
-        if (i > chain->degree) return true;
+        if (i > chain->degree) return k;
     }
-    return false;
+    return -1;
+}
+
+/* Returns true if the border of direction k does not bend into the domain along a span. Where it
+ * does, a path beside the border is shorter. */
+static bool is_pressing(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
+                        int k)
+{
+    bool is_low = piece->points[span][k] <= chain->surface->axis[k]->low;
+    for (int g = 0; g < gd__chain_gauss(chain); g++) {
+        struct gd__curve_jet c;
+        struct gd_jet x;
+        gd__piece_node(chain, piece, span, g, &c);
+        gd__piece_jet(chain, piece, c.at, &x);
+        struct gd_vec3 d = gd__velocity(&x, c.first), normal = gd_vec3_cross(x.u, x.v),
+                       inward = gd_vec3_scale(k ? x.v : x.u, is_low ? 1 : -1);
+        double bend = gd_vec3_dot(gd_vec3_cross(d, gd__acceleration(&x, &c)), normal);
+        if (bend * gd_vec3_dot(gd_vec3_cross(d, inward), normal) > 0) return false;
+    }
+    return true;
 }
 
 /* Returns true if the path follows the border along a span and the spans beside it. The curvature of
@@ -89,12 +107,13 @@ static bool follows_border(const struct gd__chain *chain, const struct gd__piece
     const struct gd__piece *before = piece, *after = piece, *first = chain->pieces,
                            *last = chain->pieces + chain->piece_count - 1;
     bool is_first = span == 0, is_last = span + 1 == piece->spans;
-    if (!lies_on_border(chain, piece, span)) return false;
+    int border = border_of(chain, piece, span);
+    if (border < 0 || !is_pressing(chain, piece, span, border)) return false;
     if (is_first && piece > first) before = piece - 1;
     if (is_last && piece < last) after = piece + 1;
     return ((is_first && piece == first) ||
-            lies_on_border(chain, before, is_first ? before->spans - 1 : span - 1)) &&
-           ((is_last && piece == last) || lies_on_border(chain, after, is_last ? 0 : span + 1));
+            border_of(chain, before, is_first ? before->spans - 1 : span - 1) >= 0) &&
+           ((is_last && piece == last) || border_of(chain, after, is_last ? 0 : span + 1) >= 0);
 }
 
 /* Returns a bound of the length that can be saved by halving a span. Let e be the sideways distance

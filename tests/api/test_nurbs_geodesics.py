@@ -217,6 +217,21 @@ class Geodesics(Nurbs):
                 self.assertLess(abs(answer["length"] - expected), answer["error_estimate"])
                 self.assertLess(answer["error_estimate"], 10 * tolerance)
 
+    def test_a_dent_in_the_border(self):
+        """The border y = 6 d^2 x^2 - x^4 has a dent of width 2 sqrt(3) d. The path crosses the dent
+        on a straight line, although no control point of the spline wants to leave the border."""
+        heights = lambda d: [6 * d * d * q - r for q, r in zip((1, 0, -1 / 3, 0, 1), (1, -1, 1, -1, 1))]
+        for d in (0.05, 0.1):
+            points = [[[x, y, 0], [x, y + 8, 0]] for x, y in zip((-1, -0.5, 0, 0.5, 1), heights(d))]
+            self.put("dent", {"degreeU": 4, "degreeV": 1, "knotsU": [0] * 5 + [1] * 5, "knotsV": [0, 0, 1, 1], "controlPoints": points})
+            speed = lambda x: math.hypot(1, 12 * d * d * x - 4 * x**3)
+            rim, n = math.sqrt(3) * d, 2000
+            step = (0.8 - rim) / n
+            arc = step / 3 * sum(speed(rim + i * step) * (1 if i in (0, n) else 4 if i % 2 else 2) for i in range(n + 1))
+            for tolerance in (1e-5, 1e-8, 1e-11):
+                answer = self.ask("dent", "path", {"from": [0.1, 0], "to": [0.9, 0], "tolerance": tolerance})
+                self.assertLess(abs(answer["length"] - 2 * (arc + rim)), answer["error_estimate"])
+
     def test_geometry_and_fields(self):
         ask = lambda options: self.ask("saddle", "geodesic", {"from": [0, 0], "to": [1, 1], "samples": 3}, options)
         self.assertEqual(set(ask("?select=length,ends")), {"length", "ends"})
