@@ -178,11 +178,15 @@ static int through_first(const void *x, const void *y)
 }
 
 /* Keeps the shorter one of two candidates that did not become geodesics. If no geodesic is found,
- * the kept candidate is the result, and is marked as not converged. */
+ * the kept candidate is the result, and is marked as not converged. A path that bends at a pole is
+ * too long by at most twice the length of its shorter part, by the triangle inequality. */
 static void spare_candidate(struct gd__candidate *candidate, struct gd__candidate *spare)
 {
+    struct gd__solution *part = candidate->part;
     for (uint32_t i = 0; i < candidate->parts; i++)
-        candidate->part[i].converged = candidate->part[i].report.converged = false;
+        part[i].converged = part[i].report.converged = false;
+    if (candidate->parts == 2)
+        part[0].error += 2 * fmin(part[0].report.length, part[1].report.length);
     bool better = !spare->parts || candidate->coarse < spare->coarse;
     gd__candidate_free(better ? spare : candidate);
     if (better) *spare = *candidate;

@@ -217,6 +217,15 @@ class Geodesics(Nurbs):
                 self.assertLess(abs(answer["length"] - expected), answer["error_estimate"])
                 self.assertLess(answer["error_estimate"], 10 * tolerance)
 
+    def test_beside_a_pole(self):
+        """If only a path through a pole is found, its error estimate includes the bend at the
+        pole."""
+        for off in (1e-7, 1e-9):
+            a, b = [0.1, 1 - off], [0.45, 0.6]
+            answer = self.ask("sphere", "path", {"from": a, "to": b})
+            p, q = (point["xyz"] for point in self.ask("sphere", "evaluate", {"uv": [a, b]})["points"])
+            self.assertLess(abs(answer["length"] - 2 * math.asin(math.dist(p, q) / 2)), answer["error_estimate"] + 1e-14)
+
     def test_a_dent_in_the_border(self):
         """The border y = 6 d^2 x^2 - x^4 has a dent of width 2 sqrt(3) d. The path crosses the dent
         on a straight line, although no control point of the spline wants to leave the border."""
