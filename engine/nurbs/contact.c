@@ -302,7 +302,8 @@ static uint32_t follow_loop(const struct division *d, uint32_t i, double *run)
             place.loop != d->places[i].loop)
             break;
         double step = loop_step(loops, &d->places[k], &d->places[k + 1]);
-        if (*run * step < 0) break;
+        /* near the path's ends two places may differ by rounding only */
+        if (*run * step < 0 && fmin(fabs(*run), fabs(step)) > GD_TOL_LOOP_PLACE) break;
         *run += step;
         k++;
     }
@@ -322,7 +323,7 @@ static enum gd_status divide(struct division *d, struct gd__pace *pace)
         bool is_inner = i > 0 && i + 1 < polyline->count;
         double run = 0;
         uint32_t k = d->places[i].distance < INFINITY ? follow_loop(d, i, &run) : i;
-        if (k > i && run != 0) {
+        if (k > i && fabs(run) > GD_TOL_LOOP_PLACE) {
             status = add_arc(d, i, run);
             i = k;
         } else if (is_inner && d->places[i].distance < INFINITY) {

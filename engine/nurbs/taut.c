@@ -204,9 +204,10 @@ static bool contacts_overlap(const struct gd__contact *a, const struct gd__conta
            (b->begin - a->end) * a->direction <= 0;
 }
 
-/* Merges neighbouring contacts that overlap. */
-static void merge_contacts(struct gd__taut *taut)
+/* Merges neighbouring contacts that overlap. Returns true if there were any. */
+static bool merge_contacts(struct gd__taut *taut)
 {
+    uint32_t before = taut->contacts.count;
     for (uint32_t i = 0; i + 1 < taut->contacts.count;) {
         struct gd__contact *contact = &taut->contacts.items[i];
         if (!contacts_overlap(contact, contact + 1)) {
@@ -218,6 +219,7 @@ static void merge_contacts(struct gd__taut *taut)
             contact->begin = contact[1].begin;
         remove_contact(taut, i + 1);
     }
+    return taut->contacts.count < before;
 }
 
 /* --- bounds ----------------------------------------------------------------------------------- */
@@ -288,7 +290,7 @@ static double moved(const struct gd__taut *taut, const struct gd__contact *conta
     if (place->curvature > least) {
         double step = angle / (place->curvature * place->speed);
         t += sign * contact->direction * fmin(fmax(step, -0.5), 0.5);
-    } else if (angle > 0) {
+    } else if (angle > GD_TOL_TAUT) {
         t = place->curvature >= -least ? limit : t;
     } else if (angle < -GD_TOL_TAUT) {
         t = sign > 0 ? contact->begin : contact->end;
@@ -316,8 +318,9 @@ static bool is_loose(const struct stand *stand)
  * direction. */
 static bool is_reversed(const struct gd__contact *contact, const struct stand *stand)
 {
-    return contact->begin > 0 && contact->begin < 1 && stand->has_in && stand->has_out &&
-           fabs(stand->in) > M_PI_2 && fabs(stand->out) > M_PI_2;
+    return contact->begin > 0 && contact->begin < 1 && (stand->has_in || stand->has_out) &&
+           !(stand->has_in && fabs(stand->in) <= M_PI_2) &&
+           !(stand->has_out && fabs(stand->out) <= M_PI_2);
 }
 
 /* DROPPED: a contact was removed, or its direction was reversed. */
@@ -520,11 +523,11 @@ static enum gd_status taut_iterate(struct gd__taut *taut)
     bool changed = true, inside = false;
     for (int round = 0; round < ROUNDS_MOST && !status && !inside; round++) {
         if (taut->contacts.count > CONTACTS_MOST) return GD_OK;
-        merge_contacts(taut);
+        (void)merge_contacts(taut);
         bound_contacts(taut, 0);
         bound_contacts(taut, 1);
         status = taut_round(taut, &changed);
-        if (status || changed) continue;
+        if (status || changed || merge_contacts(taut)) continue;
         /* the last step has moved contacts a little, so the gaps are solved again between the final
            places */
         for (uint32_t i = 0; i < taut->gap_count && !status; i++) status = gap_solve(taut, i);

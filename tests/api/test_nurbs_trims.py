@@ -61,6 +61,24 @@ class Trims(Nurbs):
                 for ends in ((start, end), (end, start)):
                     self.assertAlmostEqual(self.ask(name, "path", {"from": ends[0], "to": ends[1]})["length"], length, 12)
 
+    def test_paths_that_begin_on_an_edge_of_a_loop(self):
+        triangle = [[1, 1], [3, 1], [2, 3]]
+        self.put("wedge", plate(holes=[[{"polyline": [*triangle, triangle[0]]}]]))
+        for end, length in (([2.7, 1.9], math.hypot(0.6, 1.2) + math.hypot(0.7, 1.1)), ([2.1, 3], math.hypot(0.6, 1.2) + 0.1)):
+            for ends in (([1.4, 1.8], end), (end, [1.4, 1.8])):
+                self.assertAlmostEqual(self.ask("wedge", "path", {"from": ends[0], "to": ends[1]})["length"], length, 12)
+
+    def test_paths_do_not_turn_back_on_an_edge_of_a_loop(self):
+        """A rounding error of an angle does not lengthen the part of a path on a straight edge."""
+        corners = [[1.8921134990534747, 0.23645706531919014], [1.2276538096090794, 0.34590654837634444], [2.5265151265835906, 0.3478185285718752]]
+        outer = [[0.2, 0.9], [math.pi, 0.9], [math.pi, 0.5], [5.983185307179586, 0.5], [5.983185307179586, 0.1], [0.2, 0.0125], [0.2, 0.9]]
+        self.put("tube", {"parametric": {"revolution": {"degree": 1, "knots": [0, 0, 1, 1], "control_points": [[1, 0], [1, 8]]}},
+                          "trims": {"outer": [{"polyline": outer}], "holes": [[{"polyline": [*corners, corners[0]]}]]}})
+        places = [[1.5947488056397061, 0.28543883575706375], corners[1], [3.017141994485376, 0.8727191847045639]]
+        unrolled = [(u, 8 * v) for u, v in places]
+        answer = self.ask("tube", "path", {"from": places[0], "to": places[2]})
+        self.assertAlmostEqual(answer["length"], sum(map(math.dist, unrolled, unrolled[1:])), 12)
+
     def test_paths_along_the_border(self):
         """A path along the inner circle of a quarter of an annulus has the length of the arc,
         although its speed is uneven."""
