@@ -308,6 +308,27 @@ static uint32_t line_beyond(uint32_t arity, const struct flow_state *flow)
     return found;
 }
 
+/* Returns true if the path crosses a line during a step and returns before its end. The height
+ * above the line is interpolated by the cubic polynomial of its values and slopes at both ends. */
+static bool makes_excursion(uint32_t arity, const struct flow_state *from,
+                            const struct flow_state *end, double step)
+{
+    enum { PROBES = 16 };
+    for (uint32_t k = 0; k < arity; k++) {
+        double a = gd__line_at(arity, k, from->s, from->t),
+               b = gd__line_at(arity, k, end->s, end->t),
+               down = step * gd__line_slope(arity, k, from->ds, from->dt),
+               up = step * gd__line_slope(arity, k, end->ds, end->dt);
+        for (int i = 1; i < PROBES && b >= -GD_TOL_PATCH && down < 0 && up > 0; i++) {
+            double x = (double)i / PROBES, y = 1 - x;
+            if (y * y * (a * (1 + 2 * x) + down * x) + x * x * (b * (1 + 2 * y) - up * y) <
+                -GD_TOL_PATCH)
+                return true;
+        }
+    }
+    return false;
+}
+
 /* Returns the step, in (0, step], at which the path crosses line k, by Newton's method within a
  * bracket. Sets *end to the state there. `from` must be on the inner side of the line. */
 static double step_to_line(struct gd__tracer *tracer, const struct flow_state *from, double step,
@@ -397,7 +418,8 @@ enum gd_status gd__tracer_step(struct gd__tracer *tracer, double most, double *l
     if (status || met) return status;
     struct flow_state from = flow_in(tracer), end;
     double speed = fmax(fabs(from.ds), fabs(from.dt)), step = fmin(most, 1 / speed);
-    while (!flow_advance(rules, &tracer->walker->piece.patch, &from, step, &end)) {
+    while (!flow_advance(rules, &tracer->walker->piece.patch, &from, step, &end) ||
+           makes_excursion(rules->arity, &from, &end, step)) {
         step /= 2;
         if (!(step * speed > GD_TOL_PATCH)) return GD_INTERNAL;
     }

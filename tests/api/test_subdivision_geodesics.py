@@ -83,6 +83,22 @@ class Trace(Subdivisions):
             self.assertEqual((off["end_reason"], off["length"]), ("boundary", 0))
             self.assertEqual(on["end_reason"], "length")
 
+    def test_no_path_leaves_the_surface_and_returns(self):
+        """The boundary of this surface bends inwards. A straight line between two of its points
+        leaves the surface, and returns within one step of the integration."""
+        points = [[0, 0, -0.25], [1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]] + [[1.2 * x, 1.2 * y, 0] for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+        self.put("star", {"points": points, "faceVertexCounts": [4] * 4, "interpolateBoundary": "edgeAndCorner",
+                          "faceVertexIndices": [0, 1, 5, 2, 0, 2, 6, 3, 0, 3, 7, 4, 0, 4, 8, 1]})
+        start, end = ({"face": 3, "uv": [1, v]} for v in (0.01, 0.31))
+        border = [point["xyz"] for point in self.ask("star", "evaluate", {"points": [{"face": 3, "uv": [1, 0.01 + 0.0003 * i]} for i in range(1001)]})["points"]]
+        length = sum(map(math.dist, border, border[1:]))
+        straight = [b - a for a, b in zip(border[0], border[-1])]
+        [path] = self.ask("star", "trace", {"start": start, "directions": [straight], "length": 1, "smooth": True})["paths"]
+        self.assertEqual((path["end_reason"], path["length"]), ("boundary", 0))
+        for ends in ((start, end), (end, start)):
+            answer = self.ask("star", "distance", {"from": ends[0], "to": ends[1]})
+            self.assertLess(abs(answer["distance"] - length), answer["error_estimate"])
+
     def test_a_line_ends_where_it_meets_itself(self):
         """With stop_at_self_intersection, the closed geodesic of the mirror plane ends at its
         start. Each line of a fan ends where it meets itself."""
