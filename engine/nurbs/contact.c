@@ -342,6 +342,18 @@ static enum gd_status divide(struct division *d, struct gd__pace *pace)
     return status;
 }
 
+enum gd_status gd__taut_join(const struct gd__uv_polyline *polyline, struct gd__taut_parts *out)
+{
+    struct gd__taut_parts parts = {0};
+    enum gd_status status = open_gap(&parts, polyline->at[0]);
+    if (!status) status = gd__uv_polyline_append(&parts.gaps[0], polyline, 1, polyline->count);
+    if (status)
+        gd__taut_parts_free(&parts);
+    else
+        *out = parts;
+    return status;
+}
+
 enum gd_status gd__taut_divide(const struct gd_parametric *surface,
                                const struct gd__uv_polyline *polyline, struct gd__pace *pace,
                                struct gd__taut_parts *out)

@@ -81,4 +81,8 @@ GD_MUST_USE enum gd_status gd__taut_divide(const struct gd_parametric *surface,
                                            const struct gd__uv_polyline *polyline,
                                            struct gd__pace *pace, struct gd__taut_parts *out);
 
+/* Makes a single gap of the whole path, without contacts. Error: GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__taut_join(const struct gd__uv_polyline *polyline,
+                                         struct gd__taut_parts *out);
+
 void gd__taut_parts_free(struct gd__taut_parts *parts);

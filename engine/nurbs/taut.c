@@ -596,11 +596,13 @@ static enum gd_status take_parts(struct gd__taut *taut, struct gd__taut_parts *p
 
 enum gd_status gd__taut_solve(const struct gd__task *task,
                               const struct gd_domain_curve *const ends[2],
-                              const struct gd__path_seed *seed, struct gd__taut *out)
+                              const struct gd__path_seed *seed, bool is_free, struct gd__taut *out)
 {
     struct gd__taut taut = {.task = task, .ends = ends, .s = {seed->s[0], seed->s[1]}};
     struct gd__taut_parts parts;
-    enum gd_status status = gd__taut_divide(task->surface, &seed->polyline, task->pace, &parts);
+    enum gd_status status =
+        is_free ? gd__taut_join(&seed->polyline, &parts)
+                : gd__taut_divide(task->surface, &seed->polyline, task->pace, &parts);
     if (status) return status;
     status = take_parts(&taut, &parts);
     gd__taut_parts_free(&parts);

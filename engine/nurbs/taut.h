@@ -42,11 +42,13 @@ struct gd__taut {
     bool is_taut; /* true if all conditions hold */
 };
 
-/* Computes the taut path of a seed. `out->is_taut` is false if the conditions do not hold after a
- * limited number of steps. Errors: those of gd__newton. */
+/* Computes the taut path of a seed. The first contacts are where the seed touches loops, or, if
+ * `is_free`, none. `out->is_taut` is false if the conditions do not hold after a limited number of
+ * steps. Errors: those of gd__newton. */
 GD_MUST_USE enum gd_status gd__taut_solve(const struct gd__task *task,
                                           const struct gd_domain_curve *const ends[2],
-                                          const struct gd__path_seed *seed, struct gd__taut *out);
+                                          const struct gd__path_seed *seed, bool is_free,
+                                          struct gd__taut *out);
 
 void gd__taut_free(struct gd__taut *taut);
 

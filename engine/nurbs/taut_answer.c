@@ -21,6 +21,8 @@ static const double same_path = 1e-7;
 /* A taut path is made from a path on the tessellation. The taut path is rejected if the two lengths
  * differ by more than this fraction. */
 static const double mesh_error = 0.1;
+/* A taut path that is longer by more than this fraction may run on another side of a loop. */
+static const double detour = 0.005;
 /* An unproven path may be the shortest one if its length on the mesh exceeds the smallest length by
  * less than this fraction. */
 static const double doubt = 0.02;
@@ -227,22 +229,46 @@ static int by_taut_length(const void *x, const void *y)
     return p->taut.length < q->taut.length ? -1 : p->taut.length > q->taut.length;
 }
 
-/* Computes the taut path of one seed (a path on the tessellation). Keeps the taut path if it is
- * proven and new. If it is not proven, lowers *doubtful to the length of the seed. */
+/* Computes the taut path of one seed (a path on the tessellation). Sets *is_kept if it is proven and
+ * has about the length of the seed. Contacts of the seed that the path does not need may lead it to
+ * another side of a loop. If the path is not kept, or is too long, starts again without contacts, and
+ * keeps the shorter path. */
+static enum gd_status solve_seed(const struct gd__task *task,
+                                 const struct gd_domain_curve *const ends[2],
+                                 const struct gd__path_seed *seed, struct gd__taut *out,
+                                 bool *is_kept)
+{
+    *is_kept = false;
+    for (int i = 0; i < 2; i++) {
+        struct gd__taut taut;
+        enum gd_status status = gd__taut_solve(task, ends, seed, i == 1, &taut);
+        if (status == GD_INTERNAL) continue;
+        if (status) {
+            gd__taut_free(out);
+            return status;
+        }
+        bool is_better = taut.is_taut &&
+                         fabs(taut.length - seed->length) <= mesh_error * seed->length &&
+                         (!*is_kept || taut.length < out->length);
+        gd__taut_free(is_better ? out : &taut);
+        if (is_better) *out = taut;
+        *is_kept = *is_kept || is_better;
+        if (*is_kept && out->length <= (1 + detour) * seed->length) break;
+    }
+    return GD_OK;
+}
+
+/* Adds the path of one seed, if it is proven and new. If it is not proven, lowers *doubtful to the
+ * length of the seed. */
 static enum gd_status find_path(const struct gd__task *task,
                                 const struct gd_domain_curve *const ends[2],
                                 const struct gd__path_seed *seed, struct found *found,
                                 uint32_t *count, double *doubtful)
 {
     struct found *path = &found[*count];
-    enum gd_status status = gd__taut_solve(task, ends, seed, &path->taut);
-    if (status == GD_INTERNAL) {
-        *doubtful = fmin(*doubtful, seed->length);
-        return GD_OK;
-    }
+    bool is_kept;
+    enum gd_status status = solve_seed(task, ends, seed, &path->taut, &is_kept);
     if (status) return status;
-    bool is_kept =
-        path->taut.is_taut && fabs(path->taut.length - seed->length) <= mesh_error * seed->length;
     if (!is_kept) *doubtful = fmin(*doubtful, seed->length);
     if (is_kept) path->middle = middle_of(&path->taut);
     for (uint32_t i = 0; i < *count && is_kept; i++)

@@ -79,6 +79,15 @@ class Trims(Nurbs):
         answer = self.ask("tube", "path", {"from": places[0], "to": places[2]})
         self.assertAlmostEqual(answer["length"], sum(map(math.dist, unrolled, unrolled[1:])), 12)
 
+    def test_a_straight_path_to_a_corner_of_a_hole(self):
+        """The contacts of the path on the mesh do not lead the path around the hole."""
+        corners = [[0.5339154544924296, 4.120881860190122], [0.3032655142927095, 4.129459625223042], [0.20649810684096673, 4.010928278638832],
+                   [0.250744911103007, 3.8047189364072085], [0.41120196215621063, 3.9324897448845983]]
+        self.put("strip", {"parametric": {"graph": {"coefficients": [[0]], "u": [0, 2], "v": [0, 8]}},
+                           "trims": {"holes": [[{"polyline": [*corners, corners[0]]}]]}})
+        start = [0, 0.3347142389061757]
+        self.assertAlmostEqual(self.ask("strip", "path", {"from": start, "to": corners[0]})["length"], math.dist(start, corners[0]), 12)
+
     def test_paths_along_the_border(self):
         """A path along the inner circle of a quarter of an annulus has the length of the arc,
         although its speed is uneven."""
