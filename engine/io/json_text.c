@@ -2,6 +2,8 @@
 
 #include <stdio.h>
 
+#include "gd/number.h"
+
 void gd__json_skip_space(struct gd__scan *scan)
 {
     for (;;) {
@@ -58,9 +60,10 @@ static const char *number_end(const char *at, const char *end)
 enum gd_status gd__json_number(struct gd__scan *scan, double *out)
 {
     gd__json_skip_space(scan);
-    if (number_end(scan->at, gd__scan_number_end(scan)) == scan->at)
-        return gd__scan_unexpected(scan, "a JSON number");
-    return gd__scan_number(scan, out);
+    const char *end = number_end(scan->at, gd__scan_number_end(scan));
+    if (end == scan->at) return gd__scan_unexpected(scan, "a JSON number");
+    scan->at = gd_number_parse(scan->at, end, out);
+    return GD_OK;
 }
 
 enum gd_status gd__json_string_run(struct gd__scan *scan, const char *what, size_t most)

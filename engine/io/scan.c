@@ -179,14 +179,14 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/* Returns true if the number that ends at the cursor is part of a longer word, such as 0x1p3 or
- * 1.5.2. */
+/* Returns true if the number that ends at `at` is part of a longer word, such as 0x1p3, 1.5.2 or
+ * 1,5. */
 static bool runs_on(const struct gd__scan *scan, const char *at)
 {
     if (at == scan->end) return false;
     unsigned char c = (unsigned char)*at;
     bool is_letter = (c | 32) >= 'a' && (c | 32) <= 'z';
-    return is_letter || is_digit(*at) || c == '.' || c == '_' || c == '-' || c == '+';
+    return is_letter || is_digit(*at) || c == '.' || c == ',' || c == '_' || c == '-' || c == '+';
 }
 
 /* Rejects infinities and NaNs in the form that C libraries of Windows print, such as 1.#INF,

@@ -73,7 +73,7 @@ static const struct bad_input bad[] = {
     {WITH_X("5."), GD_SYNTAX, 14, NULL},
     {WITH_X("1e"), GD_SYNTAX, 14, NULL},
     {WITH_X("-"), GD_SYNTAX, 14, NULL},
-    {WITH_X("0x10"), GD_SYNTAX, 14, NULL},
+    {WITH_X("0x10"), GD_SYNTAX, 15, NULL},
     {WITH_X("\v1"), GD_SYNTAX, 14, NULL},
     {WITH_X("1\0"), GD_SYNTAX, 15, NULL},
 };
