@@ -5,9 +5,11 @@
 
 #include <string.h>
 
-/* The shortest lines: "0 0 0" and "3 0 1 2", each with its line end. */
-#define SMALLEST_VERTEX 6
-#define SMALLEST_FACE   8
+/* The shortest lines: "0 0 0", "0" and "3 0 1 2", each with its line end. A face with fewer than
+ * three corners is skipped, so no memory is reserved for it. */
+#define SMALLEST_VERTEX   6
+#define SMALLEST_FACE     2
+#define SMALLEST_TRIANGLE 8
 
 /* Returns the length of the keyword "[ST][C][N][4][n]OFF" at the beginning of the word. The number
  * of vertices may follow without a blank. Returns 0 if there is no such keyword. */
@@ -144,7 +146,9 @@ enum gd_status gd__off_read(struct gd__scan *scan, struct gd__builder *builder)
     uint64_t vertices = 0, faces = 0;
     enum gd_status status = read_keyword(scan);
     if (status == GD_OK) status = read_counts(scan, &vertices, &faces);
-    if (status == GD_OK) status = gd__builder_reserve(builder, vertices, faces);
+    uint64_t most = gd__scan_left(scan) / SMALLEST_TRIANGLE + 1;
+    if (status == GD_OK)
+        status = gd__builder_reserve(builder, vertices, faces < most ? faces : most);
     for (uint64_t i = 0; status == GD_OK && i < vertices; i++) status = read_vertex(scan, builder);
     for (uint64_t i = 0; status == GD_OK && i < faces; i++) status = read_face(scan, builder);
     return status;

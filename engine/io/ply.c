@@ -6,6 +6,10 @@
 #include "io/endian.h"
 #include "io/readers.h"
 
+/* The shortest triangle in bytes: the length of its list and three corners. Shorter faces are
+ * skipped, so no memory is reserved for them. */
+#define SMALLEST_TRIANGLE 4
+
 struct ply {
     struct gd__scan *scan;
     struct gd__builder *builder;
@@ -193,8 +197,11 @@ static enum gd_status read_element(struct ply *ply, const struct gd__ply_element
     if (element->property_count == 0) return GD_OK;
     if (element->kind == GD__PLY_VERTEX)
         status = gd__builder_reserve(ply->builder, element->count, 0);
-    if (element->kind == GD__PLY_FACE)
-        status = gd__builder_reserve(ply->builder, 0, element->count);
+    if (element->kind == GD__PLY_FACE) {
+        uint64_t most = gd__scan_left(ply->scan) / SMALLEST_TRIANGLE;
+        status =
+            gd__builder_reserve(ply->builder, 0, element->count < most ? element->count : most);
+    }
     for (uint64_t i = 0; i < element->count && status == GD_OK; i++)
         status = read_record(ply, element);
     return status;

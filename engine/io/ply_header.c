@@ -165,15 +165,13 @@ static enum gd_status check_roles(const struct gd__scan *scan, const struct gd__
     return GD_OK;
 }
 
-/* Returns the least number of bytes of a property: a face has at least three corners, other lists
- * may be empty. In text a value is a digit and a separator. */
-static uint64_t smallest_size(const struct gd__ply_header *header, enum gd__ply_kind kind,
+/* Returns the least number of bytes of a property; lists may be empty. In text a value is a digit
+ * and a separator. */
+static uint64_t smallest_size(const struct gd__ply_header *header,
                               const struct gd__ply_property *property)
 {
-    uint64_t items = property->role == GD__PLY_CORNERS && kind == GD__PLY_FACE ? 3 : 0;
-    if (header->encoding == GD__PLY_ASCII) return property->list ? 2 + 2 * items : 2;
-    uint64_t size = (uint64_t)gd__ply_size(property->type);
-    return property->list ? (uint64_t)gd__ply_size(property->count_type) + items * size : size;
+    if (header->encoding == GD__PLY_ASCII) return 2;
+    return (uint64_t)gd__ply_size(property->list ? property->count_type : property->type);
 }
 
 /* Returns true if the rest of the input is long enough for all elements of the header. */
@@ -185,8 +183,7 @@ static bool holds_declared(const struct gd__scan *scan, const struct gd__ply_hea
         const struct gd__ply_element *element = &header->elements[i];
         uint64_t record = 0;
         for (uint32_t k = 0; k < element->property_count; k++) {
-            record += smallest_size(header, element->kind,
-                                    &header->properties[element->first_property + k]);
+            record += smallest_size(header, &header->properties[element->first_property + k]);
         }
         if (record == 0) continue;
         if (element->count > left / record) return false;

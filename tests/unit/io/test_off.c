@@ -50,16 +50,15 @@ static const struct bad_input bad[] = {
     {BYTES("OFF\n3 4000000000 0\n" VERTICES "3 0 1 2\n"), GD_TRUNCATED, 2, "26 bytes follow"},
     {BYTES("OFF\n99999999999999999999 1 0\n" VERTICES "3 0 1 2\n"), GD_TRUNCATED, 2, NULL},
     {BYTES("OFF\n3074457345618258603 1 0\n" VERTICES "3 0 1 2\n"), GD_TRUNCATED, 2, NULL},
-    {BYTES("OFF\n4 1 0\n" VERTICES "3 0 1 2\n"), GD_TRUNCATED, 2, NULL},
-    {BYTES("OFF\n4 1 0\n" VERTICES "3 0 1 2         \n"), GD_TRUNCATED, 7, "the input ends"},
+    {BYTES("OFF\n4 2 0\n" VERTICES "0\n"), GD_TRUNCATED, 2, NULL},
+    {BYTES("OFF\n4 1 0\n" VERTICES "3 0 1 2\n"), GD_TRUNCATED, 7, "the input ends"},
     {BYTES("OFF\n3 0 0\n" VERTICES), GD_EMPTY, 0, NULL},
     {BYTES("OFF\n0 0 0\n"), GD_EMPTY, 0, NULL},
-    {BYTES("OFF\n3 1 0\n0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), GD_TRUNCATED, 2, NULL},
-    {BYTES("OFF\n3 1 0\n0 0\n1 0 0.0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 3, "the line ends"},
+    {BYTES("OFF\n3 1 0\n0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 3, "the line ends"},
     {BYTES("OFF\n3 1 0\n0 0 z\n1 0 0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 3, "'z'"},
     {BYTES("OFF\n3 1 0\n0 0 nan\n1 0 0\n0 1 0\n3 0 1 2\n"), GD_NON_FINITE, 3, "vertex 0"},
     {BYTES("OFF\n3 1 0\n0 0 0\n1 0 1e309\n0 1 0\n3 0 1 2\n"), GD_NON_FINITE, 4, "vertex 1"},
-    {BYTES("OFF\n3 1 0\n" VERTICES "2 0 1   \n"), GD_SYNTAX, 6, "2 corners"},
+    {BYTES("OFF\n3 1 0\n" VERTICES "2 0 1\n"), GD_SYNTAX, 6, "2 corners"},
     {BYTES("OFF\n3 1 0\n" VERTICES "-3 0 1 2\n"), GD_SYNTAX, 6, "0 corners"},
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2.5\n"), GD_SYNTAX, 6, "2.5"},
     {BYTES("OFF\n3 1 0\n" VERTICES "4 0 1 2\n"), GD_TRUNCATED, 7, "the input ends"},
@@ -76,7 +75,8 @@ static const struct bad_input bad[] = {
 };
 
 static const struct skipped_input skipped[] = {
-    {BYTES("OFF\n3 2 0\n" VERTICES "2 0 1 \n3 0 1 2\n"), TRIANGLE_MESH, 1, 6},
+    {BYTES("OFF\n3 2 0\n" VERTICES "2 0 1\n3 0 1 2\n"), TRIANGLE_MESH, 1, 6},
+    {BYTES("OFF\n3 4 0\n" VERTICES "0\n0\n3 0 1 2\n0"), TRIANGLE_MESH, 3, 6},
 };
 
 static void skips_ignored_content(void **state)

@@ -115,12 +115,16 @@ static const struct skipped_input skipped[] = {
      3},
     {BYTES(HEADER "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 9 1 1\n"), TRIANGLE_MESH, 1, 13},
     {BYTES(ASCII VERTEX "element face 3\nproperty list uchar int vertex_index\n" END POSITIONS
-                        "2 0 1         \n3 0 1 2\n0         \n"),
+                        "2 0 1\n3 0 1 2\n0\n"),
      TRIANGLE_MESH, 2, 13},
     {BYTES(LITTLE VERTEX
            "element face 2\nproperty list uchar int vertex_index\n" END LITTLE_POSITIONS
-           "\2" O4 O4 LITTLE_TRIANGLE "more"),
+           "\2" O4 O4 LITTLE_TRIANGLE),
      TRIANGLE_MESH, 1, 203},
+    {BYTES(LITTLE VERTEX
+           "element face 9\nproperty list uchar int vertex_index\n" END LITTLE_POSITIONS
+           "\0\0\0\0" LITTLE_TRIANGLE "\0\0\0\0"),
+     TRIANGLE_MESH, 8, 203},
 };
 
 static const struct bad_input bad_headers[] = {
@@ -177,14 +181,15 @@ static const struct bad_input bad_headers[] = {
 };
 
 static const struct bad_input bad_text[] = {
-    {BYTES(HEADER "0 0\n1 0 0\n0 1 0\n3 0 1 2  \n"), GD_SYNTAX, 10, "the line ends"},
+    {BYTES(HEADER "0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 10, "the line ends"},
     {BYTES(HEADER "0 0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 10,
      "found '0' where the end of the line"},
     {BYTES(HEADER "0 0 0\n1 x 0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 11, "'x'"},
     {BYTES(HEADER "0 0 0\n1 inf 0\n0 1 0\n3 0 1 2\n"), GD_NON_FINITE, 11, "vertex 1"},
     {BYTES(HEADER "0 0 0\n1 1e400 0\n0 1 0\n3 0 1 2\n"), GD_NON_FINITE, 11, NULL},
-    {BYTES(HEADER POSITIONS "2 0 1  \n"), GD_SYNTAX, 13, "2 corners"},
-    {BYTES(HEADER POSITIONS "3 0 1  \n"), GD_SYNTAX, 13, "the line ends"},
+    {BYTES(HEADER POSITIONS "2 0 1\n"), GD_SYNTAX, 13, "2 corners"},
+    {BYTES(HEADER POSITIONS "3 0 1\n"), GD_SYNTAX, 13, "the line ends"},
+    {BYTES(HEADER "0 0 0\n1 0 0\n0 1 0,5\n3 0 1 2\n"), GD_SYNTAX, 12, "0,5"},
     {BYTES(HEADER POSITIONS "3 0 1 3\n"), GD_INDEX, 13, "vertex 3"},
     {BYTES(HEADER POSITIONS "3 0 1 -1\n"), GD_INDEX, 13, "vertex -1"},
     {BYTES(HEADER POSITIONS "3 0 1 1.5\n"), GD_SYNTAX, 13, "1.5"},
