@@ -119,13 +119,21 @@ static enum gd_status read_text_corner(struct stl *stl)
     return status == GD_OK ? add_corner(stl, xyz, place) : status;
 }
 
-/* Reads a facet. The cursor is after the word "facet"; the rest of this line is the normal, which
- * is skipped. Leaves the cursor after "endfacet". */
+/* Skips the normal of a facet: the words up to "outer" or to the end of the line. */
+static void skip_normal(struct gd__scan *scan)
+{
+    struct gd__scan ahead = *scan;
+    for (struct gd__word word = gd__scan_word(&ahead);
+         word.length > 0 && !gd__word_resembles(word, "outer"); word = gd__scan_word(&ahead))
+        scan->at = ahead.at;
+}
+
+/* Reads a facet. The cursor is after the word "facet". Leaves the cursor after "endfacet". */
 static enum gd_status read_text_facet(struct stl *stl)
 {
     struct gd__scan *scan = stl->scan;
     const char *place = scan->at;
-    gd__scan_skip_line(scan);
+    skip_normal(scan);
     enum gd_status status = expect_word(scan, "outer");
     if (status == GD_OK) status = expect_word(scan, "loop");
     for (int k = 0; k < 3 && status == GD_OK; k++) status = read_text_corner(stl);

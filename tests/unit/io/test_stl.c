@@ -26,6 +26,9 @@ static const struct good_input good[] = {
            "0\nEndLoop\n"
            "endFacet\nEndSolid\n"),
      TRIANGLE_MESH},
+    {BYTES("solid\nfacet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop "
+           "endfacet endsolid\n"),
+     TRIANGLE_MESH},
     {BYTES("\xEF\xBB\xBFsolid\r\nfacet normal 0 0 1\r\nouter loop\r\nvertex 0 0 0\r\nvertex 1 0 "
            "0\r\nvertex 0 1 "
            "0\r\nendloop\r\n"
