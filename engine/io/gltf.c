@@ -180,7 +180,10 @@ static enum gd_status check_version(const struct gd__gltf *gltf)
     if (version == GD__NO_VALUE)
         return gd__gltf_fail(gltf, 0, GD_SYNTAX,
                              "the document is not glTF: it has no 'asset' with a 'version'");
-    if (strncmp(gd__json_at(&gltf->json, version), "\"2.", 3) == 0) return GD_OK;
+    uint32_t least = gd__json_member(&gltf->json, asset, "minVersion");
+    bool is_readable = strncmp(gd__json_at(&gltf->json, version), "\"2.", 3) == 0;
+    if (least != GD__NO_VALUE) is_readable = gd__json_says(&gltf->json, least, "2.0");
+    if (is_readable) return GD_OK;
     return gd__gltf_fail(gltf, version, GD_UNSUPPORTED,
                          "the file is not of version 2 of glTF, only 2.0 is read: convert it");
 }
