@@ -2,6 +2,7 @@
  * in gd/result_file.h. The data is, in this order: positions, indices, colours, distances, points
  * of the lines, data of the moving object, data of the layers. Each kind has one view and one
  * accessor, except that each line and each layer has its own accessor. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -74,6 +75,7 @@ static void find_origin(struct gd__gltf_writing *writing)
         widen(&box, result->layers[i].points, gd__gltf_layer_points(&result->layers[i]));
     double size = 0;
     for (int axis = 0; axis < 3; axis++) size = fmax(size, box.max[axis] - box.min[axis]);
+    writing->fits = size == 0 || size >= (double)FLT_MIN;
     for (int axis = 0; axis < 3; axis++)
         writing->origin[axis] = size > 0 && isfinite(size)
                                     ? round_centre(box.min[axis], box.max[axis], size)
@@ -226,7 +228,7 @@ static enum gd_status add_all(struct gd__gltf_writing *writing)
     add_lines(writing);
     gd__gltf_motion(writing);
     gd__gltf_layers(writing);
-    if (!writing->fits) return GD_NON_FINITE;
+    if (!writing->fits) return GD_EXTENT;
     const struct gd__output *lists[] = {&writing->node_list,  &writing->material_list,
                                         &writing->primitives, &writing->mesh_list,
                                         &writing->animations, &writing->view_list,

@@ -1,3 +1,4 @@
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -162,23 +163,29 @@ static void write_stl_vector(struct gd__output *output, struct gd_vec3 v)
     gd__output_f32(output, (float)v.z);
 }
 
-static bool fits_floats(struct gd_vec3 v)
+/* Returns false if a coordinate of a corner is too large for a float, or if all of them are too
+ * small. */
+static bool fit_floats(const struct gd_polygons *polygons)
 {
-    return isfinite((float)v.x) && isfinite((float)v.y) && isfinite((float)v.z);
+    double largest = 0;
+    for (uint32_t corner = 0; corner < gd_polygons_corner_count(polygons); corner++) {
+        const double *position = polygons->positions[polygons->corners[corner]];
+        for (int axis = 0; axis < 3; axis++) largest = fmax(largest, fabs(position[axis]));
+    }
+    return isfinite((float)largest) && (largest == 0 || largest >= (double)FLT_MIN);
 }
 
 static enum gd_status write_stl(struct gd__output *output, const struct gd_polygons *polygons)
 {
     if (!gd_polygons_are_triangles(polygons)) return GD_NOT_TRIANGLES;
+    if (!fit_floats(polygons)) return GD_EXTENT;
     static const char header[80] = "binary STL"; /* the header must not begin with "solid" */
     gd__output_bytes(output, header, sizeof header);
     gd__output_little_endian(output, polygons->polygon_count, 4);
     for (uint32_t i = 0; i < polygons->polygon_count && !output->failed; i++) {
         struct gd_vec3 corners[3];
-        for (uint32_t k = 0; k < 3; k++) {
+        for (uint32_t k = 0; k < 3; k++)
             corners[k] = corner_position(polygons, gd_polygons_first(polygons, i) + k);
-            if (!fits_floats(corners[k])) return GD_NON_FINITE;
-        }
         write_stl_vector(output, normal_of(corners[0], corners[1], corners[2]));
         for (int k = 0; k < 3; k++) write_stl_vector(output, corners[k]);
         gd__output_little_endian(output, 0, 2); /* no attributes */

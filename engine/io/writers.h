@@ -17,7 +17,7 @@ void gd__write_ply(struct gd__output *output, const struct gd_polygons *polygons
                    const double *distances);
 
 /* Write a result as glTF, as in gd/result_file.h: as binary (GLB), or as JSON with embedded data.
- * Errors: GD_NOT_TRIANGLES, GD_NON_FINITE, GD_TOO_LARGE, GD_INVALID_ARGUMENT (nothing to write),
+ * Errors: GD_NOT_TRIANGLES, GD_EXTENT, GD_TOO_LARGE, GD_INVALID_ARGUMENT (nothing to write),
  * GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__glb_write(struct gd__output *output, const struct gd_result *result);
 GD_MUST_USE enum gd_status gd__gltf_write(struct gd__output *output,

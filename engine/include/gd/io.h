@@ -121,8 +121,8 @@ GD_MUST_USE enum gd_status gd_read_polygons(const void *bytes, size_t size,
  * doubles. So a mesh far from (0, 0, 0) loses no precision, and coordinates that are floats stay
  * exact. `*out` is allocated by malloc and owned by the caller. All formats except STL, GLB and
  * glTF read back as the same polygons, with positions equal to the last bit. Errors:
- * GD_NOT_TRIANGLES (STL, GLB, glTF: a polygon of more than three corners), GD_NON_FINITE (STL, GLB,
- * glTF: a coordinate beyond the range of floats), GD_TOO_LARGE (GLB: more than 4 GiB),
+ * GD_NOT_TRIANGLES (STL, GLB, glTF: a polygon of more than three corners), GD_EXTENT (STL, GLB,
+ * glTF: coordinates too large or too small for floats), GD_TOO_LARGE (GLB: more than 4 GiB),
  * GD_INVALID_ARGUMENT (GD_FORMAT_ANY), GD_NO_MEMORY. Time: linear in the output. Thread-safe. */
 GD_MUST_USE enum gd_status gd_write_polygons(const struct gd_polygons *polygons,
                                              enum gd_format format, char **out, size_t *size);

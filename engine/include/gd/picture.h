@@ -142,8 +142,8 @@ GD_MUST_USE enum gd_status gd_picture_svg(const struct gd_picture *picture,
  * node `isolines`, the path is the node `path`, and a layer is the node `layer-` with its id, or
  * several of them. Polylines of isolines differ from the isolines by at most 1e-4 of the surface's
  * diagonal. View, size, widths, ends, hidden parts and the legend have no effect. Errors: those of
- * gd_picture_png; GD_NON_FINITE (beyond the range of floats), GD_TOO_LARGE (4 GiB). Memory: about
- * 500 bytes a vertex. */
+ * gd_picture_png; GD_EXTENT (too large or too small for floats), GD_TOO_LARGE (4 GiB). Memory:
+ * about 500 bytes a vertex. */
 GD_MUST_USE enum gd_status gd_picture_glb(const struct gd_picture *picture,
                                           const struct gd_control *control, void **bytes,
                                           size_t *size);

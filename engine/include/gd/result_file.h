@@ -102,7 +102,7 @@ struct gd_result {
 
 /* Writes a result. `*out` is allocated by malloc and owned by the caller. Errors:
  * GD_INVALID_ARGUMENT (the format cannot represent the result: PLY without mesh, OBJ without lines,
- * distances without mesh), GD_NOT_TRIANGLES, GD_NON_FINITE (GLB: beyond the range of floats),
+ * distances without mesh), GD_NOT_TRIANGLES, GD_EXTENT (GLB: too large or too small for floats),
  * GD_TOO_LARGE (GLB: 4 GiB), GD_NO_MEMORY. Time linear in the output. Thread-safe. */
 GD_MUST_USE enum gd_status gd_write_result(const struct gd_result *result,
                                            enum gd_result_format format, char **out, size_t *size);

@@ -231,7 +231,7 @@ static void refuses_unsupported_results(void **state)
                              polygon = {corners, 4, 1, quad, offsets};
     assert_int_equal(
         gd_write_result(&(struct gd_result){.mesh = &wide}, GD_RESULT_GLB, &bytes, &size),
-        GD_NON_FINITE);
+        GD_EXTENT);
     assert_int_equal(
         gd_write_result(&(struct gd_result){.mesh = &polygon}, GD_RESULT_GLB, &bytes, &size),
         GD_NOT_TRIANGLES);

@@ -134,21 +134,33 @@ static void refuses_what_stl_cannot_hold(void **state)
     char *bytes = NULL;
     size_t size = 7;
     assert_int_equal(gd_write_polygons(&mixed, GD_FORMAT_STL, &bytes, &size), GD_NOT_TRIANGLES);
-    assert_int_equal(gd_write_polygons(&triangles, GD_FORMAT_STL, &bytes, &size), GD_NON_FINITE);
+    assert_int_equal(gd_write_polygons(&triangles, GD_FORMAT_STL, &bytes, &size), GD_EXTENT);
     assert_int_equal(gd_write_polygons(&triangles, GD_FORMAT_ANY, &bytes, &size),
                      GD_INVALID_ARGUMENT);
+    double small[][3] = {{0, 0, 0}, {1e-46, 0, 0}, {0, -1e-46, 0}};
+    for (enum gd_format format = GD_FORMAT_STL; format <= GD_FORMAT_GLTF; format++) {
+        bool has_floats = format == GD_FORMAT_STL || format >= GD_FORMAT_GLB;
+        struct gd_polygons polygons = {.positions = small,
+                                       .position_count = 3,
+                                       .polygon_count = 1,
+                                       .corners = (uint32_t[]){0, 1, 2}};
+        if (has_floats)
+            assert_int_equal(gd_write_polygons(&polygons, format, &bytes, &size), GD_EXTENT);
+        else
+            check_round_trip(&polygons, format);
+    }
     for (int axis = 0; axis < 3; axis++) {
         double large[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
         large[2][axis] = 1e39;
         uint32_t all[] = {0, 1, 2};
         struct gd_polygons polygons = {
             .positions = large, .position_count = 3, .polygon_count = 1, .corners = all};
-        assert_int_equal(gd_write_polygons(&polygons, GD_FORMAT_STL, &bytes, &size), GD_NON_FINITE);
+        assert_int_equal(gd_write_polygons(&polygons, GD_FORMAT_STL, &bytes, &size), GD_EXTENT);
     }
     assert_int_equal(gd_write_polygons(&mixed, GD_FORMAT_GLB, &bytes, &size), GD_NOT_TRIANGLES);
     assert_int_equal(gd_write_polygons(&mixed, GD_FORMAT_GLTF, &bytes, &size), GD_NOT_TRIANGLES);
-    assert_int_equal(gd_write_polygons(&triangles, GD_FORMAT_GLB, &bytes, &size), GD_NON_FINITE);
-    assert_int_equal(gd_write_polygons(&triangles, GD_FORMAT_GLTF, &bytes, &size), GD_NON_FINITE);
+    assert_int_equal(gd_write_polygons(&triangles, GD_FORMAT_GLB, &bytes, &size), GD_EXTENT);
+    assert_int_equal(gd_write_polygons(&triangles, GD_FORMAT_GLTF, &bytes, &size), GD_EXTENT);
     assert_null(bytes);
     assert_int_equal(size, 7);
 }
