@@ -48,6 +48,24 @@ static bool role_parse(const char *text, enum server_role *out)
     return false;
 }
 
+/* Marks a setting as given. Rejects unknown settings, and settings that are given twice. */
+static bool setting_mark(struct server_credential *key, const char *setting,
+                         char error[SERVER_ERROR])
+{
+    static const char *const names[] = {"role", "tenant", "expires", "rate", "concurrent"};
+    unsigned bit = 1;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++, bit <<= 1) {
+        if (strcmp(setting, names[i]) != 0) continue;
+        if (key->given & bit)
+            return server_refuse(error, "%s stands twice; write it once", setting);
+        key->given |= bit;
+        return true;
+    }
+    return server_refuse(
+        error, "there is no setting '%s'; write role, tenant, expires, rate or concurrent",
+        setting);
+}
+
 bool server_credentials_set(struct server_credential *key, char *setting, char error[SERVER_ERROR])
 {
     char *value = strchr(setting, '=');
@@ -56,6 +74,7 @@ bool server_credentials_set(struct server_credential *key, char *setting, char e
             error,
             "'%s' is not a setting; write role=, tenant=, expires=, rate= or concurrent=", setting);
     *value++ = '\0';
+    if (!setting_mark(key, setting, error)) return false;
     if (strcmp(setting, "role") == 0)
         return role_parse(value, &key->role) ||
                server_refuse(error, "a role is read, write or operator");
@@ -71,10 +90,6 @@ bool server_credentials_set(struct server_credential *key, char *setting, char e
                server_refuse(error, "'%s' is not a time; write 2027-01-31 or 2027-01-31T12:00:00Z",
                              value);
     bool is_rate = strcmp(setting, "rate") == 0;
-    if (!is_rate && strcmp(setting, "concurrent") != 0)
-        return server_refuse(
-            error, "there is no setting '%s'; write role, tenant, expires, rate or concurrent",
-            setting);
     uint32_t number = strlen(value) < 10 ? (uint32_t)strtoul(value, NULL, 10) : 0;
     *(is_rate ? &key->limits.rate : &key->limits.concurrent) = number;
     return (number >= 1 && number <= SERVER_LIMITS_MOST && !value[strspn(value, DIGITS)]) ||

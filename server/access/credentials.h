@@ -73,6 +73,7 @@ struct server_credential {
     char tenant[SERVER_CREDENTIAL_NAME]; /* see kind.h */
     char sha256[SERVER_SHA256_HEX];
     enum server_role role;
+    unsigned given;  /* one bit for each setting of the line */
     int64_t expires; /* seconds since 1970; 0 means never */
     struct server_limits limits;
     struct server_quota *quota;

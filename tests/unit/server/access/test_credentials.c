@@ -98,6 +98,8 @@ static void errors_name_the_line(void **state)
                  {".a " NO_SUM "\n", "a name has"},
                  {"a@b " NO_SUM "\n", "a name has"},
                  {"a " NO_SUM " role=admin\n", "read, write or operator"},
+                {"a " NO_SUM " role=read rate=1 role=write\n", "role stands twice"},
+                {"a " NO_SUM " expires=2020-01-31 expires=2100-01-31\n", "expires stands twice"},
                  {"a " NO_SUM " expires=tomorrow\n", "is not a time"},
                  {"a " NO_SUM " expires=2027-02-31\n", "is not a time"},
                  {"a " NO_SUM " expires=1960-01-01\n", "is not a time"},
