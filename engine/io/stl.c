@@ -2,8 +2,8 @@
  * welded. Normals and attributes are skipped.
  *
  * Binary files may also begin with "solid", and may have bytes behind their last triangle. So the
- * input is binary in three cases: its size is exactly the size of a file with the declared number
- * of triangles, it does not begin with "solid", or it has a NUL where text cannot have one. */
+ * input is binary in three cases: it has room for exactly the declared number of triangles, it does
+ * not begin with "solid", or it has a NUL where text cannot have one. */
 #include "io/readers.h"
 
 #include <string.h>
@@ -35,8 +35,10 @@ static uint32_t declared_triangles(const struct gd__scan *scan)
 
 bool gd__stl_has_binary_size(const struct gd__scan *scan)
 {
-    return size_of(scan) >= PREAMBLE_SIZE &&
-           size_of(scan) == PREAMBLE_SIZE + (uint64_t)TRIANGLE_SIZE * declared_triangles(scan);
+    size_t size = size_of(scan);
+    if (size <= PREAMBLE_SIZE) return size == PREAMBLE_SIZE && declared_triangles(scan) == 0;
+    size_t triangles = (size - PREAMBLE_SIZE) / TRIANGLE_SIZE;
+    return triangles > 0 && triangles == declared_triangles(scan);
 }
 
 static bool begins_solid(struct gd__scan scan)

@@ -74,10 +74,17 @@ static void recognises_content(void **state)
         {BYTES("solid\nfacet"), GD_FORMAT_STL},
         {BYTES("  Solid x\n"), GD_FORMAT_STL},
         {BYTES(ZERO_20 ZERO_20 ZERO_20 ZERO_20 "\0\0\0\0"), GD_FORMAT_STL},
+        {BYTES(ZERO_20 ZERO_20 ZERO_20 ZERO_20 "\0\0\0\0\0"), GD_FORMAT_ANY},
         {BYTES("v 0 0 0             " SPACES_20 SPACES_20 SPACES_20 "\1\0\0\0" ZERO_20 ZERO_20
                "0123456789"),
          GD_FORMAT_STL},
         {BYTES(SPACES_20 SPACES_20 SPACES_20 SPACES_20 "\1\0\0\0" ZERO_20 ZERO_20 "012345678"),
+         GD_FORMAT_ANY},
+        {BYTES(SPACES_20 SPACES_20 SPACES_20 SPACES_20 "\1\0\0\0" ZERO_20 ZERO_20 ZERO_20 ZERO_20
+                                                       "0123456789012345678"),
+         GD_FORMAT_STL},
+        {BYTES(SPACES_20 SPACES_20 SPACES_20 SPACES_20 "\1\0\0\0" ZERO_20 ZERO_20 ZERO_20 ZERO_20
+                                                       "01234567890123456789"),
          GD_FORMAT_ANY},
         {BYTES(""), GD_FORMAT_ANY},
         {BYTES("  \n\n"), GD_FORMAT_ANY},
