@@ -102,6 +102,14 @@ enum server_query_turn server_query_fail(const struct server_query *query, enum 
     return SERVER_QUERY_FAILED;
 }
 
+enum server_query_turn server_query_fail_file(const struct server_query *query,
+                                              enum gd_status status, const char *what)
+{
+    if (status != GD_EXTENT) return server_query_fail(query, status, what);
+    (void)server_request_check_file(status, query->problem);
+    return SERVER_QUERY_FAILED;
+}
+
 bool server_query_refuse(const struct server_query *query, enum gd_status status, const char *what)
 {
     server_query_fail(query, status, what);

@@ -180,6 +180,11 @@ void server_query_pass(struct server_query *query, double part);
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
                                          const char *what);
 
+/* Like server_query_fail, for a step that writes a file: GD_EXTENT means that the surface does not
+ * fit the floats of the format. */
+enum server_query_turn server_query_fail_file(const struct server_query *query,
+                                              enum gd_status status, const char *what);
+
 /* Like server_query_fail, but returns false, for steps that return bool. */
 bool server_query_refuse(const struct server_query *query, enum gd_status status, const char *what);
 

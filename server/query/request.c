@@ -268,6 +268,15 @@ bool server_request_take(struct server_exchange *exchange, const char *what, siz
     return true;
 }
 
+bool server_request_check_file(enum gd_status status, struct proto_problem *problem)
+{
+    if (status == GD_EXTENT)
+        return proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
+                                 "the mesh is too large or too small for this format, which stores "
+                                 "floats; use another format");
+    return !status || proto_problem_from_status(problem, status, NULL);
+}
+
 bool server_request_begin_parsing(struct server_exchange *exchange, const char *text, size_t size,
                                   struct proto_problem *problem)
 {

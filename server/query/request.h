@@ -68,6 +68,9 @@ void server_request_list(struct server_exchange *exchange,
 bool server_request_take(struct server_exchange *exchange, const char *what, size_t bytes,
                          struct proto_problem *problem);
 
+/* Returns true if a mesh was written as a file. Otherwise returns false with the problem. */
+bool server_request_check_file(enum gd_status status, struct proto_problem *problem);
+
 /* Reserves the memory that a document parsed from this text will need. After freeing the document,
  * the caller calls server_request_end_parsing, which returns the memory. Problem:
  * insufficient_memory. */

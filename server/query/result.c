@@ -29,7 +29,7 @@ static bool file_settle(const struct server_query *query, size_t bytes, size_t a
     server_budget_adjust(query->exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes, actual);
     query->exchange->held += actual;
     query->exchange->held -= bytes;
-    if (status) server_query_fail(query, status, WHAT);
+    if (status) server_query_fail_file(query, status, WHAT);
     return !status;
 }
 

@@ -223,6 +223,14 @@ class Content(TestCase):
         sent = [tuple(map(float, match)) for match in numbers.findall(self.file)]
         self.assertEqual([tuple(map(float, match)) for match in numbers.findall(answer.body)], sent)
 
+    def test_formats_with_floats_refuse_sizes_beyond_floats(self):
+        for size in (b"1e100", b"1e-100"):
+            self.daemon.put("far", SQUARE.replace(b"1", size, 3).replace(b"0 1 0", b"0 %b 0" % size))
+            for path in ("content?format=stl", "content?format=glb", "preview?format=glb", "path?from=v:0&to=v:1&format=glb"):
+                problem = self.assert_problem(self.daemon.get(f"/v1/meshes/far/{path}"), 406, "not_acceptable")
+                self.assertIn("floats", problem["detail"])
+            self.assertEqual(self.daemon.get("/v1/meshes/far/content?format=off").status, 200)
+
     def test_reversed_and_removed_faces(self):
         """Tests the statements of the contract and of the guide."""
         turned = SQUARE.replace(b"f 1 3 4", b"f 3 1 4")

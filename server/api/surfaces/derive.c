@@ -89,7 +89,7 @@ static enum server_query_turn end_with_file(struct derivation *derivation)
     if (!status)
         status = gd_write_polygons_within(polygons, derivation->wanted.format, &control,
                                           &derivation->file, &derivation->file_size);
-    if (status) return server_query_fail(query, status, "the file");
+    if (status) return server_query_fail_file(query, status, "the file");
     server_query_give(query, cost - derivation->file_size);
     query->held -= derivation->file_size; /* the response takes over the file */
     query->exchange->held += derivation->file_size;

@@ -36,7 +36,7 @@ static bool content_write(const struct gd_mesh *mesh, enum gd_format format, cha
     enum gd_status status = gd_mesh_polygons(mesh, &polygons);
     if (!status) status = gd_write_polygons(&polygons, format, bytes, size);
     gd_polygons_free(&polygons);
-    return !status || proto_problem_from_status(problem, status, NULL);
+    return server_request_check_file(status, problem);
 }
 
 /* Adds the headers of a mesh's file. */

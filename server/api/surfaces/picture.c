@@ -136,7 +136,7 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
                              GD_PICTURE_FARTHEST);
         return SERVER_QUERY_FAILED;
     }
-    if (call.status) return server_query_fail(query, call.status, "the picture");
+    if (call.status) return server_query_fail_file(query, call.status, "the picture");
     query->held -= picture->size; /* the response takes the file over from the exchange */
     query->exchange->held += picture->size;
     return SERVER_QUERY_DONE;

@@ -108,7 +108,7 @@ static bool file_send(struct server_exchange *exchange)
     bool is_taken = server_request_take(exchange, "the preview", cost, &problem);
     if (!server_reply_check(exchange, is_taken, &problem)) return true;
     enum gd_status status = file_write(request, &bytes, &size, &faces);
-    bool is_written = !status || proto_problem_from_status(&problem, status, NULL);
+    bool is_written = server_request_check_file(status, &problem);
     if (!server_reply_check(exchange, is_written, &problem)) return true;
     server_budget_adjust(exchange->host->budget, SERVER_BUDGET_FLIGHT, cost, size);
     exchange->held = size;
