@@ -98,9 +98,9 @@ static bool is_pressing(const struct gd__chain *chain, const struct gd__piece *p
     return true;
 }
 
-/* Returns true if the path follows the border along a span and the spans beside it. The curvature of
- * such a span is not an error. Where a path leaves the border, it may leave within a span that lies
- * on the border, so the curvature of the last span on the border counts. */
+/* Returns true if the path follows the border along a span and the spans beside it. The curvature
+ * of such a span is not an error. Where a path leaves the border, it may leave within a span that
+ * lies on the border, so the curvature of the last span on the border counts. */
 static bool follows_border(const struct gd__chain *chain, const struct gd__piece *piece,
                            uint32_t span)
 {

@@ -229,10 +229,10 @@ static int by_taut_length(const void *x, const void *y)
     return p->taut.length < q->taut.length ? -1 : p->taut.length > q->taut.length;
 }
 
-/* Computes the taut path of one seed (a path on the tessellation). Sets *is_kept if it is proven and
- * has about the length of the seed. Contacts of the seed that the path does not need may lead it to
- * another side of a loop. If the path is not kept, or is too long, starts again without contacts, and
- * keeps the shorter path. */
+/* Computes the taut path of one seed (a path on the tessellation). Sets *is_kept if it is proven
+ * and has about the length of the seed. Contacts of the seed that the path does not need may lead
+ * it to another side of a loop. If the path is not kept, or is too long, starts again without
+ * contacts, and keeps the shorter path. */
 static enum gd_status solve_seed(const struct gd__task *task,
                                  const struct gd_domain_curve *const ends[2],
                                  const struct gd__path_seed *seed, struct gd__taut *out,
