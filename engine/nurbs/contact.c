@@ -187,25 +187,37 @@ void gd__taut_parts_free(struct gd__taut_parts *parts)
     *parts = (struct gd__taut_parts){0};
 }
 
+/* Returns the unit vector of a loop's derivative, in scaled coordinates. */
+static void loop_direction(const struct gd__loops *loops, const struct gd__loop_place *place,
+                           bool before, double out[2])
+{
+    struct gd__span_jet jet;
+    gd__loop_jet(loops, place->loop, place->s, before, &jet);
+    for (int k = 0; k < 2; k++) out[k] = jet.first[k] / loops->width[k];
+    double length = hypot(out[0], out[1]);
+    for (int k = 0; k < 2; k++) out[k] /= length > 0 ? length : 1;
+}
+
 /* Returns the direction of a contact at place i of a polyline: 1 if the polyline bends to the right
- * at this place, -1 if it bends to the left. If it is straight there, returns 1 if it runs in the
- * direction of the loop, and -1 otherwise. */
+ * at this place, -1 if it bends to the left. If it is straight there, the obstacle's side decides
+ * at a corner of the obstacle, and the direction of the loop elsewhere. */
 static int touch_direction(const struct gd_parametric *surface,
                            const struct gd__uv_polyline *polyline, uint32_t i,
                            const struct gd__loop_place *place)
 {
     const double *a = polyline->at[i - 1], *b = polyline->at[i], *c = polyline->at[i + 1];
+    const double *width = surface->loops->width;
     double turn = (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]);
     double most = hypot(b[0] - a[0], b[1] - a[1]) * hypot(c[0] - b[0], c[1] - b[1]);
     if (fabs(turn) > clear_turn * most) return turn < 0 ? 1 : -1;
-    struct gd__span_jet before, after;
-    gd__loop_jet(surface->loops, place->loop, place->s, true, &before);
-    gd__loop_jet(surface->loops, place->loop, place->s, false, &after);
-    double along = 0;
-    for (int k = 0; k < 2; k++)
-        along += (before.first[k] + after.first[k]) * (c[k] - a[k]) /
-                 (surface->loops->width[k] * surface->loops->width[k]);
-    return along >= 0 ? 1 : -1;
+    double way[2] = {(c[0] - a[0]) / width[0], (c[1] - a[1]) / width[1]}, before[2], after[2];
+    loop_direction(surface->loops, place, true, before);
+    loop_direction(surface->loops, place, false, after);
+    if (before[0] * after[1] - before[1] * after[0] < -clear_turn) {
+        double inward[2] = {after[0] - before[0], after[1] - before[1]};
+        return way[0] * inward[1] - way[1] * inward[0] < 0 ? 1 : -1;
+    }
+    return way[0] * (before[0] + after[0]) + way[1] * (before[1] + after[1]) >= 0 ? 1 : -1;
 }
 
 /* Returns the change of s from one place of a loop to another, along the shorter way around the

@@ -19,7 +19,7 @@ struct check {
     struct gd__uv_polyline samples;
     double worst; /* smallest depth so far */
     struct spot worst_spot;
-    uint32_t worst_sample;
+    double worst_position; /* index of its sample, plus the fraction of the step */
     struct gd__loop_place place;
 };
 
@@ -48,20 +48,22 @@ static void probe(struct check *check, uint32_t sample, double part)
     if (depth >= check->worst) return;
     check->worst = depth;
     check->worst_spot = spot;
-    check->worst_sample = sample;
+    check->worst_position = sample + part;
     check->place = place;
 }
 
-/* Returns the fraction of the segment (a, b) at which it crosses (p, q), or -1 if it does not. */
+/* Returns the fraction of the segment (a, b) at which it crosses (p, q), or -1 if it does not. Sets
+ * *other to the fraction of (p, q). */
 static double crossing_of(const double a[2], const double b[2], const double p[2],
-                          const double q[2])
+                          const double q[2], double *other)
 {
     double u[2] = {b[0] - a[0], b[1] - a[1]}, v[2] = {q[0] - p[0], q[1] - p[1]},
            w[2] = {p[0] - a[0], p[1] - a[1]};
     double area = u[0] * v[1] - u[1] * v[0];
     if (area == 0) return -1;
-    double t = (w[0] * v[1] - w[1] * v[0]) / area, s = (w[0] * u[1] - w[1] * u[0]) / area;
-    return t >= 0 && t <= 1 && s >= 0 && s <= 1 ? t : -1;
+    double t = (w[0] * v[1] - w[1] * v[0]) / area;
+    *other = (w[0] * u[1] - w[1] * u[0]) / area;
+    return t >= 0 && t <= 1 && *other >= 0 && *other <= 1 ? t : -1;
 }
 
 static int by_number(const void *x, const void *y)
@@ -87,7 +89,8 @@ static enum gd_status probe_chord(struct check *check, uint32_t sample)
     for (uint32_t i = 0; i < surface->loops->count; i++) {
         uint32_t first = samples->first[i], n = samples->first[i + 1] - first;
         for (uint32_t k = 0; k < n && count < CROSSINGS_MOST; k++) {
-            double t = crossing_of(a, b, samples->at[first + k], samples->at[first + (k + 1) % n]);
+            double other, t = crossing_of(a, b, samples->at[first + k],
+                                          samples->at[first + (k + 1) % n], &other);
             if (t >= 0) crossings[count++] = t;
         }
         if (!gd__pace(check->chain->pace, n)) return check->chain->pace->status;
@@ -97,6 +100,44 @@ static enum gd_status probe_chord(struct check *check, uint32_t sample)
     for (uint32_t i = 0; i + 1 < count; i++)
         probe(check, sample, 0.5 * (crossings[i] + crossings[i + 1]));
     return GD_OK;
+}
+
+/* Finds the places of the loop between which the path is outside the domain: its last crossing
+ * before the worst place, and the first one after it. */
+static void find_crossings(const struct check *check, struct gd__leaving *out)
+{
+    const struct gd_parametric *surface = check->chain->surface;
+    const struct gd__loops *loops = surface->loops;
+    const struct gd__loop_samples *samples = &loops->samples;
+    uint32_t loop = out->place.loop, first = samples->first[loop],
+             n = samples->first[loop + 1] - first;
+    double at[2] = {-1, INFINITY};
+    for (uint32_t i = 0; i + 1 < check->samples.count; i++) {
+        double ends[2][2];
+        for (int k = 0; k < 4; k++)
+            ends[k / 2][k % 2] = check->samples.at[i + (uint32_t)k / 2][k % 2] - out->shift[k % 2];
+        for (uint32_t k = 0; k < n; k++) {
+            double part, t = crossing_of(ends[0], ends[1], samples->at[first + k],
+                                         samples->at[first + (k + 1) % n], &part);
+            int side = i + t > check->worst_position;
+            if (t < 0 || (side ? i + t >= at[1] : i + t < at[0])) continue;
+            double from = samples->s[first + k],
+                   to = k + 1 < n ? samples->s[first + k + 1] : loops->loops[loop].span_count;
+            at[side] = i + t;
+            out->s[side] = from + part * (to - from);
+        }
+        if (!gd__pace(check->chain->pace, n)) return;
+    }
+    out->has_crossings = true;
+    for (int side = 0; side < 2; side++) {
+        struct gd__loop_place place;
+        if (isfinite(at[side]) && at[side] >= 0) continue;
+        /* rounding may hide a crossing at an end of the gap */
+        double depth = gd__surface_depth(
+            surface, check->samples.at[side ? check->samples.count - 1 : 0], &place);
+        if (fabs(depth) > GD_TOL_TRIMMED || place.loop != loop) out->has_crossings = false;
+        out->s[side] = place.s;
+    }
 }
 
 static void leaving_of(struct check *check, struct gd__leaving *out)
@@ -109,8 +150,14 @@ static void leaving_of(struct check *check, struct gd__leaving *out)
     *out = (struct gd__leaving){.place = check->place,
                                 .at = {c.at[0], c.at[1]},
                                 .velocity = gd__velocity(&x, c.first),
-                                .sample = check->worst_sample,
-                                .samples = check->samples};
+                                .sample = (uint32_t)check->worst_position,
+                                .is_sample = fmod(check->worst_position, 1) == 0};
+    for (int k = 0; k < 2; k++) {
+        double period = gd__axis_period(check->chain->surface->axis[k]);
+        if (period > 0) out->shift[k] = round((out->at[k] - out->place.at[k]) / period) * period;
+    }
+    find_crossings(check, out);
+    out->samples = check->samples;
     check->samples = (struct gd__uv_polyline){0};
 }
 

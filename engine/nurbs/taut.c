@@ -436,16 +436,15 @@ static enum gd_status split_contact(struct gd__taut *taut, uint32_t i, bool *spl
 
 /* --- gaps that leave the domain --------------------------------------------------------------- */
 
-/* Adds a contact at the place where gap `number` is farthest outside the domain. */
+/* Adds a contact to gap `number`, which leaves the domain. */
 static enum gd_status add_leaving(struct gd__taut *taut, uint32_t number,
                                   const struct gd__leaving *leaving)
 {
     const struct gd_parametric *surface = taut->task->surface;
-    struct gd__contact touch = gd__contact_touch(surface, &leaving->place, 1, leaving->at);
+    const struct gd__contact touch = gd__passing_contact(taut, number, leaving);
     struct gd__contact_place place;
-    gd__contact_at(surface, &touch, touch.begin, &place);
-    if (gd_vec3_dot(place.tangent, leaving->velocity) < 0) touch.direction = -1;
     uint32_t added;
+    gd__contact_at(surface, &touch, touch.begin, &place);
     enum gd_status status = gd__contacts_insert(surface, &taut->contacts, number, &touch, &added);
     if (status) return status;
     status = gaps_open(taut, number + 1, added);
@@ -598,7 +597,8 @@ enum gd_status gd__taut_solve(const struct gd__task *task,
                               const struct gd_domain_curve *const ends[2],
                               const struct gd__path_seed *seed, bool is_free, struct gd__taut *out)
 {
-    struct gd__taut taut = {.task = task, .ends = ends, .s = {seed->s[0], seed->s[1]}};
+    struct gd__taut taut = {
+        .task = task, .ends = ends, .seed = seed, .s = {seed->s[0], seed->s[1]}};
     struct gd__taut_parts parts;
     enum gd_status status =
         is_free ? gd__taut_join(&seed->polyline, &parts)

@@ -12,8 +12,9 @@
  *   / k along the loop, the angle is 0. Near the solution the loop is tangential to the gap, so
  *   this step moves the end of the gap along the gap itself. Therefore the steps of neighbouring
  *   contacts do not influence each other, and they converge as Newton's method does.
- * - A gap that leaves the domain gets a contact where it is farthest outside. A contact at which
- *   the path turns away from the obstacle is removed.
+ * - A gap that leaves the domain gets a contact on the side of the obstacle on which the path of
+ *   the tessellation passes it. A contact at which the path turns away from the obstacle is
+ *   removed.
  * - A path is accepted only if all conditions hold: each gap is a geodesic that Newton's method
  *   proves to be a local minimum, no gap leaves the domain, the path is tangential to loops, and
  *   each contact presses against the obstacle. */
@@ -32,6 +33,7 @@ struct gd__gap {
 struct gd__taut {
     const struct gd__task *task;
     const struct gd_domain_curve *const *ends; /* the two curves at the path's ends */
+    const struct gd__path_seed *seed;          /* the path of the tessellation */
     double s[2];                               /* parameters of the path's ends on the curves */
     struct gd__contacts contacts;
     /* there are contacts.count + 1 gaps; gap i leads to contact i */
@@ -58,12 +60,27 @@ void gd__taut_free(struct gd__taut *taut);
 struct gd__leaving {
     struct gd__loop_place place;
     double at[2];
+    double shift[2]; /* whole periods between the loop and the gap */
+    /* The gap is outside the domain between these two places of the loop. `has_crossings` is false
+       if they are not known, because the gap passes between the loop and its samples. */
+    double s[2];
+    bool has_crossings;
     struct gd_vec3 velocity;
-    uint32_t sample; /* index of the last sample before `at` */
+    uint32_t sample; /* index of the last sample before `at`, or at it */
+    bool is_sample;  /* true if `at` is a sample */
     struct gd__uv_polyline samples;
 };
 GD_MUST_USE enum gd_status gd__gap_check(const struct gd__chain *chain, bool *inside,
                                          struct gd__leaving *out);
+
+/* Computes the contact for a gap that leaves the domain: on the side on which the seed passes the
+ * obstacle, where the loop is farthest from the gap. */
+struct gd__contact gd__passing_contact(const struct gd__taut *taut, uint32_t gap,
+                                       const struct gd__leaving *leaving);
+
+/* Returns true if the path passes each hole on the same side as its seed. Returns false if the pace
+ * stops. */
+bool gd__passing_agrees(const struct gd__taut *taut);
 
 /* Computes all taut paths, or the shortest one, in a trimmed domain. Errors: those of gd__newton,
  * and GD_INTERNAL (a path that may be shortest is not proven). */

@@ -229,10 +229,17 @@ static int by_taut_length(const void *x, const void *y)
     return p->taut.length < q->taut.length ? -1 : p->taut.length > q->taut.length;
 }
 
-/* Computes the taut path of one seed (a path on the tessellation). Sets *is_kept if it is proven
- * and has about the length of the seed. Contacts of the seed that the path does not need may lead
- * it to another side of a loop. If the path is not kept, or is too long, starts again without
- * contacts, and keeps the shorter path. */
+/* Returns true if the taut path is proven and is a result of its seed: it has about the length of
+ * the seed. If it is longer, it also passes each hole on the side of the seed. */
+static bool is_result(const struct gd__taut *taut, const struct gd__path_seed *seed)
+{
+    return taut->is_taut && fabs(taut->length - seed->length) <= mesh_error * seed->length &&
+           (taut->length <= seed->length || gd__passing_agrees(taut));
+}
+
+/* Computes the taut path of one seed (a path on the tessellation). Sets *is_kept if it is a result.
+ * Contacts of the seed that the path does not need may lead it to another side of a loop. If the
+ * path is not kept, or is too long, starts again without contacts, and keeps the shorter path. */
 static enum gd_status solve_seed(const struct gd__task *task,
                                  const struct gd_domain_curve *const ends[2],
                                  const struct gd__path_seed *seed, struct gd__taut *out,
@@ -247,9 +254,7 @@ static enum gd_status solve_seed(const struct gd__task *task,
             gd__taut_free(out);
             return status;
         }
-        bool is_better = taut.is_taut &&
-                         fabs(taut.length - seed->length) <= mesh_error * seed->length &&
-                         (!*is_kept || taut.length < out->length);
+        bool is_better = is_result(&taut, seed) && (!*is_kept || taut.length < out->length);
         gd__taut_free(is_better ? out : &taut);
         if (is_better) *out = taut;
         *is_kept = *is_kept || is_better;

@@ -144,6 +144,48 @@ static void polygon_make(struct polygon *out, const double (*points)[2], uint32_
     out->loop = (struct gd_trim_loop){&out->curve, 1};
 }
 
+/* The straight line between the ends crosses a hole close to a corner. The path passes this corner,
+ * not the nearer or the far edges of the hole. */
+static void past_a_corner_of_a_hole(void **state)
+{
+    (void)state;
+    /* the path passes the first corner */
+    static const struct {
+        double hole[9][2], ends[2][2];
+        uint32_t count;
+    } cases[] = {
+        {{{0.5339, 4.1209}, {0.3033, 4.1295}, {0.2065, 4.0109}, {0.2507, 3.8047}, {0.4112, 3.9325}},
+         {{0.3006, 3.1455}, {1.4338, 8}},
+         5},
+        {{{1.1803, 3.8567},
+          {1.0322, 3.8418},
+          {0.9413, 3.8919},
+          {0.7068, 3.8844},
+          {0.8149, 4.0619},
+          {0.8571, 4.233},
+          {1.0348, 4.2336},
+          {1.148, 4.131},
+          {1.1673, 4.0044}},
+         {{2, 8}, {0.0114, 0}},
+         9},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct polygon hole;
+        double points[10][2];
+        uint32_t count = cases[i].count;
+        memcpy(points, cases[i].hole, sizeof cases[i].hole);
+        memcpy(points[count], points[0], sizeof points[0]);
+        polygon_make(&hole, (const double(*)[2])points, count + 1);
+        struct scene scene = open_scene(flat(2, 8), &(struct gd_trims){&hole.loop, 1, false});
+        const double *p = cases[i].ends[0], *q = cases[i].ends[1], *corner = points[0];
+        double length =
+            hypot(p[0] - corner[0], p[1] - corner[1]) + hypot(q[0] - corner[0], q[1] - corner[1]);
+        check_close(distance(&scene, p, q), length, promise);
+        check_close(distance(&scene, q, p), length, promise);
+        close_scene(&scene);
+    }
+}
+
 static void around_a_reflex_corner(void **state)
 {
     (void)state;
@@ -501,6 +543,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(around_a_circular_hole),
+        cmocka_unit_test(past_a_corner_of_a_hole),
         cmocka_unit_test(around_a_reflex_corner),
         cmocka_unit_test(between_two_holes),
         cmocka_unit_test(around_a_hole_of_a_cylinder),
