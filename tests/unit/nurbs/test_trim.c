@@ -186,6 +186,29 @@ static void past_a_corner_of_a_hole(void **state)
     }
 }
 
+/* The first part of a path, before a corner, is so short that its coordinates are not exact enough
+ * for the relative tolerance. */
+static void from_next_to_a_corner(void **state)
+{
+    (void)state;
+    static const double corners[4][2] = {
+        {3.2816, 14.0927}, {3.28174, 14.09274}, {3.209, 15.927}, {3.2816, 14.0927}};
+    struct polygon hole;
+    polygon_make(&hole, corners, 4);
+    struct scene scene = open_scene(flat(6, 20), &(struct gd_trims){&hole.loop, 1, false});
+    for (int i = 1; i < 10; i++) {
+        const double p[2] = {corners[0][0] + 0.1 * i * (corners[1][0] - corners[0][0]),
+                             corners[0][1] + 0.1 * i * (corners[1][1] - corners[0][1])},
+                     q[2] = {3.0756, 19.2964};
+        double length[2];
+        for (int k = 0; k < 2; k++)
+            length[k] = hypot(p[0] - corners[k][0], p[1] - corners[k][1]) +
+                        hypot(q[0] - corners[k][0], q[1] - corners[k][1]);
+        check_close(distance(&scene, p, q), fmin(length[0], length[1]), promise);
+    }
+    close_scene(&scene);
+}
+
 static void around_a_reflex_corner(void **state)
 {
     (void)state;
@@ -544,6 +567,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(around_a_circular_hole),
         cmocka_unit_test(past_a_corner_of_a_hole),
+        cmocka_unit_test(from_next_to_a_corner),
         cmocka_unit_test(around_a_reflex_corner),
         cmocka_unit_test(between_two_holes),
         cmocka_unit_test(around_a_hole_of_a_cylinder),
