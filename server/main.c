@@ -40,8 +40,8 @@ static void open_standard_descriptors(void)
     if (descriptor >= 0) close(descriptor);
 }
 
-/* Limits the time of a stop: a worker that never returns, for example from a system call on a dead
- * disk, must not keep the process. Everything that was answered is stored already. */
+/* Ends the process if a stop takes too long, for example because a worker is in a system call on a
+ * disk that does not answer. All answered changes are stored already. */
 static void stop_limit(void *user, struct server_thread *thread)
 {
     const struct server_config *config = user;

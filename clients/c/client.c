@@ -309,7 +309,7 @@ static enum gdc_status judge(const struct gdc_client *client, CURLcode code,
     else if (answer->status < 400)
         status = gdc__fail(problem, GDC_BAD_ANSWER,
                            "the answer has the status %d: another program answers at %s",
-                           answer->status, client->url);
+                           answer->status, client->socket_path ? client->socket_path : client->url);
     else
         read_problem(answer, problem);
     free(answer->body);
@@ -319,6 +319,7 @@ static enum gdc_status judge(const struct gdc_client *client, CURLcode code,
 int gdc__wait_seconds(const struct gdc_client *client)
 {
     long most = client->timeout_s > 0 ? client->timeout_s / 2 : WAIT_SECONDS;
+    if (most < 1) most = 1; /* without a wait, loops over answers would not pause */
     return most < WAIT_SECONDS ? (int)most : WAIT_SECONDS;
 }
 

@@ -57,8 +57,8 @@ struct gd__stop gd__ray_arrive_at_chord(struct gd__path_builder *builder, uint32
 
 /* The course of a ray through the faces, which are unfolded into one plane. There the ray begins at
  * 0 and runs along the x axis. It has just entered a face by a side whose origin is not below the
- * axis and whose destination is not above it. The step to the next face needs no division, which
- * the step after it would have to wait for. */
+ * axis and whose destination is not above it. The next side is found without a division: only
+ * `part` and `at` need one, and the next step does not depend on them. */
 struct course {
     uint32_t side;
     double ux, uy; /* unit vector from the side's origin to its destination */
@@ -85,8 +85,8 @@ static struct course course_begin(const struct gd_mesh *mesh, const struct gd__r
                            .source = linear ? INFINITY : far};
 }
 
-/* Turns a course that has passed its source, because of rounding, along its side, towards the end
- * that is nearer to the source. */
+/* Turns a course that rounding has moved past its source: it then runs along its side, towards the
+ * end that is nearer to the source. */
 static void course_turn(struct course *course, double length)
 {
     course->ux = course->ux > 0 ? -1 : 1;

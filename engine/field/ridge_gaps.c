@@ -73,7 +73,8 @@ static struct place place_of(const struct gd__diagram *diagram, uint32_t node)
     return (struct place){*point, x, node};
 }
 
-/* Lists the nodes on marked elements, or the loose nodes if `marks` is NULL, sorted by element. */
+/* Lists the nodes on marked elements, or the loose nodes if `marks` is NULL, sorted by element.
+ * *out must be empty. */
 static enum gd_status list_places(struct gd__ridges *ridges, const bool *marks, struct places *out)
 {
     struct gd__diagram *diagram = &ridges->diagram;

@@ -182,10 +182,11 @@ static enum gd_status check_version(const struct gd__gltf *gltf)
                              "the document is not glTF: it has no 'asset' with a 'version'");
     uint32_t least = gd__json_member(&gltf->json, asset, "minVersion");
     bool is_readable = strncmp(gd__json_at(&gltf->json, version), "\"2.", 3) == 0;
-    if (least != GD__NO_VALUE) is_readable = gd__json_says(&gltf->json, least, "2.0");
+    if (is_readable && least != GD__NO_VALUE)
+        is_readable = gd__json_says(&gltf->json, least, "2.0");
     if (is_readable) return GD_OK;
     return gd__gltf_fail(gltf, version, GD_UNSUPPORTED,
-                         "the file is not of version 2 of glTF, only 2.0 is read: convert it");
+                         "the file needs another version than version 2.0 of glTF: convert it");
 }
 
 static enum gd_status read_list(const struct gd__gltf *gltf, struct gd__gltf_list *list)

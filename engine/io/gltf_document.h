@@ -15,7 +15,7 @@ enum { GD__GLTF_VERTICES = 34962, GD__GLTF_INDICES = 34963 }; /* targets of view
 struct gd__gltf_writing {
     const struct gd_result *result;
     double origin[3]; /* subtracted from all positions */
-    bool fits;        /* false if a position is beyond the range of floats */
+    bool fits;        /* false if a position is too large, or the extent too small, for floats */
     uint32_t nodes, materials, views, accessors;
     /* `primitives` are those of the first mesh. The lists of nodes, materials and meshes omit their
      * first items, so each item begins with a comma. */

@@ -6,8 +6,8 @@
 #include "io/scan.h"
 
 /* Returns true if the scan, which must hold the whole input, has the size of a binary STL file. Up
- * to 49 bytes may follow its last triangle. Text of less than 7 GiB never has this size, because
- * the bytes of its number of triangles would be characters. */
+ * to 49 bytes may follow its last triangle. ASCII text of less than 7 GiB never has this size: each
+ * byte of its number of triangles is at least 9 (a tab), which means 151 million triangles. */
 bool gd__stl_has_binary_size(const struct gd__scan *scan);
 
 /* Returns true if the input is UTF-16 text that must be converted to UTF-8 for the reader of

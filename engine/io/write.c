@@ -163,22 +163,25 @@ static void write_stl_vector(struct gd__output *output, struct gd_vec3 v)
     gd__output_f32(output, (float)v.z);
 }
 
-/* Returns false if a coordinate of a corner is too large for a float, or if all of them are too
- * small. */
-static bool fit_floats(const struct gd_polygons *polygons)
+/* Returns false if a coordinate of a corner is no finite float, or if the largest one is not 0 but
+ * too small for a normal float. */
+static bool has_float_range(const struct gd_polygons *polygons)
 {
     double largest = 0;
     for (uint32_t corner = 0; corner < gd_polygons_corner_count(polygons); corner++) {
         const double *position = polygons->positions[polygons->corners[corner]];
-        for (int axis = 0; axis < 3; axis++) largest = fmax(largest, fabs(position[axis]));
+        for (int axis = 0; axis < 3; axis++) {
+            if (!isfinite((float)position[axis])) return false;
+            largest = fmax(largest, fabs(position[axis]));
+        }
     }
-    return isfinite((float)largest) && (largest == 0 || largest >= (double)FLT_MIN);
+    return largest == 0 || largest >= (double)FLT_MIN;
 }
 
 static enum gd_status write_stl(struct gd__output *output, const struct gd_polygons *polygons)
 {
     if (!gd_polygons_are_triangles(polygons)) return GD_NOT_TRIANGLES;
-    if (!fit_floats(polygons)) return GD_EXTENT;
+    if (!has_float_range(polygons)) return GD_EXTENT;
     static const char header[80] = "binary STL"; /* the header must not begin with "solid" */
     gd__output_bytes(output, header, sizeof header);
     gd__output_little_endian(output, polygons->polygon_count, 4);

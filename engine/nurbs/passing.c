@@ -65,8 +65,9 @@ static void sweep_leaving(struct sweep *sweep, const struct gd__leaving *leaving
     sweep_line(sweep, samples, after + 1, samples->count);
 }
 
-/* Returns the number of turns of the closed curve that consists of the path and the reversed path
- * of the tessellation around a place. It is 0 if both pass the place on the same side. */
+/* Returns the winding number, around `about`, of the closed curve that follows the path and then
+ * the seed in reverse. It is 0 if both pass this place on the same side. The samples of `leaving`
+ * replace gap `gap`. */
 static long passing_turns(const struct gd__taut *taut, const double about[2], uint32_t gap,
                           const struct gd__leaving *leaving)
 {
@@ -189,7 +190,8 @@ static int by_value(const void *x, const void *y)
     return *p < *q ? -1 : *p > *q;
 }
 
-/* Computes the middle of the widest part of the line v = at[1] inside a loop. Returns its width. */
+/* Sets at[0] to the middle of the widest part of the line v = at[1] inside a loop. Returns its
+ * width, or 0 if there is none or the line has too many crossings. */
 static double scan_line(const struct gd__loops *loops, uint32_t loop, double at[2])
 {
     const struct gd__loop_samples *samples = &loops->samples;
@@ -210,7 +212,8 @@ static double scan_line(const struct gd__loops *loops, uint32_t loop, double at[
     return widest;
 }
 
-/* Finds a place well inside a hole. Returns false if it does not find one. */
+/* Finds a place inside a hole, far from its boundary. Returns false if it does not find one, for
+ * example because each line has too many crossings. */
 static bool hole_inside(const struct gd__loops *loops, uint32_t loop, double out[2])
 {
     const struct gd__loop_samples *samples = &loops->samples;

@@ -547,12 +547,9 @@ static double chain_length(const struct gd__chain *chain)
     return sum;
 }
 
-/* Returns true if a gap is proven to be a local minimum. A gap that is much shorter than the path
- * may miss the tolerance relative to its own length, so its error is compared with the path. */
-static bool is_gap_proven(const struct gd__taut *taut, struct gd__solution *solution)
+/* Returns true if a solved gap is proven to be a local minimum. */
+static bool is_gap_proven(const struct gd__task *task, const struct gd__solution *solution)
 {
-    const struct gd__task *task = taut->task;
-    if (solution->error <= task->tolerance * taut->length) solution->converged = true;
     return solution->converged && solution->report.converged && solution->report.positive &&
            !gd__solution_is_bent(task, solution);
 }
@@ -571,8 +568,13 @@ static enum gd_status taut_measure(struct gd__taut *taut)
             gd__contact_length(task->surface, &taut->contacts.items[i], task->pace, &taut->error);
     for (uint32_t i = 0; i < taut->gap_count && taut->is_taut; i++) {
         struct gd__gap *gap = &taut->gaps[i];
+        if (gap->is_empty) continue;
+        /* A gap that is much shorter than the path may miss the tolerance relative to its own
+         * length, so its error is compared with the path. */
+        if (gap->is_solved && gap->solution.error <= taut->task->tolerance * taut->length)
+            gap->solution.converged = true;
         /* the last round may have changed a gap, which is then not solved */
-        taut->is_taut = gap->is_empty || (gap->is_solved && is_gap_proven(taut, &gap->solution));
+        taut->is_taut = gap->is_solved && is_gap_proven(taut->task, &gap->solution);
     }
     /* the error of the length is of third order in the angles at the ends of contacts */
     taut->error += taut->residual * taut->residual * taut->length;

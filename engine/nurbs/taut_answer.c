@@ -21,7 +21,8 @@ static const double same_path = 1e-7;
 /* A taut path is made from a path on the tessellation. The taut path is rejected if the two lengths
  * differ by more than this fraction. */
 static const double mesh_error = 0.1;
-/* A taut path that is longer by more than this fraction may run on another side of a loop. */
+/* A taut path that is longer than its seed by more than this fraction may pass a loop on another
+ * side. */
 static const double detour = 0.005;
 /* An unproven path may be the shortest one if its length on the mesh exceeds the smallest length by
  * less than this fraction. */
@@ -237,9 +238,10 @@ static bool is_result(const struct gd__taut *taut, const struct gd__path_seed *s
            (taut->length <= seed->length || gd__passing_agrees(taut));
 }
 
-/* Computes the taut path of one seed (a path on the tessellation). Sets *is_kept if it is a result.
- * Contacts of the seed that the path does not need may lead it to another side of a loop. If the
- * path is not kept, or is too long, starts again without contacts, and keeps the shorter path. */
+/* Computes the taut path of one seed (a path on the tessellation). *out must be zeroed. Sets
+ * *is_kept if *out is a result. Contacts that the path does not need may lead it to another side of
+ * a loop. So if the first path is no result, or longer than the seed by more than `detour`, solves
+ * again without contacts, and keeps the shorter result. */
 static enum gd_status solve_seed(const struct gd__task *task,
                                  const struct gd_domain_curve *const ends[2],
                                  const struct gd__path_seed *seed, struct gd__taut *out,
@@ -263,8 +265,8 @@ static enum gd_status solve_seed(const struct gd__task *task,
     return GD_OK;
 }
 
-/* Adds the path of one seed, if it is proven and new. If it is not proven, lowers *doubtful to the
- * length of the seed. */
+/* Adds the path of one seed, if it is a result and new. If the seed has no result, lowers *doubtful
+ * to the length of the seed. */
 static enum gd_status find_path(const struct gd__task *task,
                                 const struct gd_domain_curve *const ends[2],
                                 const struct gd__path_seed *seed, struct found *found,

@@ -134,7 +134,7 @@ enum gd_status gd__layer_list_open(struct gd__layer_list *list, const struct gd_
     uint32_t has_path = picture->path != NULL, count = has_path + picture->layer_count;
     enum gd_status status = has_path ? path_open(list, picture, arena) : GD_OK;
     list->items = gd__arena_zeroed(arena, count, sizeof *list->items);
-    if (status || !list->items) return arena->status;
+    if (status || !list->items) return status ? status : arena->status;
     list->count = count;
     for (uint32_t i = 0, number = 0; i < count; i++) {
         struct gd__layer *layer = &list->items[i];

@@ -142,7 +142,7 @@ static enum gd_status layers_open(struct scene *scene)
     size_t room = scene->layers.count + (size_t)1;
     scene->written = gd__arena_zeroed(&scene->arena, room, sizeof *scene->written);
     scene->names = gd__arena_zeroed(&scene->arena, room, sizeof *scene->names);
-    if (status || scene->arena.status) return scene->arena.status;
+    if (status || scene->arena.status) return status ? status : scene->arena.status;
     if (scene->isolines.count) isolines_write(scene);
     for (uint32_t i = 0; i < scene->layers.count; i++) layer_write(scene, i);
     return GD_OK;

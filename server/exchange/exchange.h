@@ -140,8 +140,8 @@ struct server_transport {
 struct server_host {
     struct server_budget *budget;
     struct server_workers *workers;
-    /* one thread for requests that have waited for jobs and batches, so that the end of their wait
-       does not depend on the workers */
+    /* one thread that reads batches, and answers requests whose wait for a job or batch has ended:
+       these answers do not depend on the workers */
     struct server_workers *waiters;
     struct server_workspaces *workspaces;
     struct server_events *events;

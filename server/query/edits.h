@@ -24,7 +24,7 @@ struct server_edits {
 bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
                       struct proto_problem *problem);
 
-/* Releases the mesh of the result, if it was built and is not needed any more. */
+/* Releases the mesh that was built to measure the result, if there is one. The polygons stay. */
 void server_edits_drop_mesh(struct server_edits *edits);
 
 /* Adds a mesh to be stored under that name: the result or a part of it. On failure, returns false

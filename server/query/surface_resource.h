@@ -79,7 +79,8 @@ struct server_derived_meshes {        /* all zero at first */
 
 void server_derived_meshes_free(struct server_derived_meshes *meshes); /* accepts all zero */
 
-struct server_derived_source { /* all borrowed */
+/* The structs are borrowed; server_derived_meshes_add takes over the bytes of the attachment. */
+struct server_derived_source {
     const struct gd_polygons *polygons;
     const struct gd_mesh *mesh; /* their mesh, if it is built already; otherwise NULL */
     const struct server_attachment *attachment; /* NULL means that there is none */

@@ -243,6 +243,7 @@ static enum gd_status mesh_share(const struct server_builder *builder, struct se
 
 static enum gd_status mesh_build(const struct server_builder *builder, struct server_built *out)
 {
+    /* a mesh with too many faces is built from its file, which reports the limit as a problem */
     if (builder->mesh && gd_mesh_summary(builder->mesh)->faces <= builder->max_faces)
         return mesh_share(builder, out);
     struct build build = {.builder = builder, .mesh_options.format = GD_FORMAT_ANY};

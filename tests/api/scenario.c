@@ -438,7 +438,6 @@ static void run_batches(struct gdc_client *client)
     EXPECT(gdc_delete(client, "a-square", NULL) == GDC_OK);
 }
 
-/* The daemon of this URL refuses three requests, then closes the connection. */
 /* Reads answers that no daemon sends. */
 static void run_odd(struct gdc_client *client)
 {
@@ -457,6 +456,7 @@ static void run_odd(struct gdc_client *client)
     EXPECT(gdc_job_wait(client, "j", &answer, &problem) == GDC_BAD_ANSWER);
 }
 
+/* The daemon of this URL refuses three requests, then closes the connection. */
 static void run_busy(struct gdc_client *client)
 {
     struct gdc_problem problem = {0};

@@ -21,6 +21,9 @@ RARE = {
     (method, "draining"): "the store's writer would have to work on it when the time to drain ends"
     for method in ("delete", "patch")
 } | {
+    (name, "draining"): "the thread that reads batches would have to work on it when the time to drain ends"
+    for name in ("get_batch", "get_batch_results")
+} | {
     ("post_derive", "invalid_mesh"): "an edit would have to make a surface that is none",
 }
 

@@ -161,7 +161,7 @@ LENIENT = {
     (b"200",): [GET + b"Transfer-Encoding:" + end + b" chunked\r\n\r\n" + chunks(b"hello") for end in (b"\r\n", b"\n")],
 }
 # Targets in absolute form (RFC 9112, 3.2.2), by the status of the answer. The daemon ignores the
-# Host of such a request. Those of 404 are in another form, or their path is.
+# Host of such a request. Targets of 404 are not in absolute form, or no route has their path.
 ABSOLUTE = {
     b"200": [b"http://localhost/livez", b"HTTP://127.0.0.1:80/livez?", b"https://[::1]/livez", b"http://localhost", b"http://localhost?a=b"],
     b"400": [b"http://localhost/%2f", b"http://localhost/%"],

@@ -56,7 +56,11 @@ def main():
         return print(f"skip stuck_worker: {error.strerror} (ptrace)")
     daemon.terminate()
     # the process has ended when its last thread is reaped
-    wait_until(lambda: os.waitpid(thread, WAIT_ALL | os.WNOHANG)[0], LIMIT_SECONDS + MARGIN_SECONDS)
+    try:
+        wait_until(lambda: os.waitpid(thread, WAIT_ALL | os.WNOHANG)[0], LIMIT_SECONDS + MARGIN_SECONDS)
+    except TimeoutError:
+        daemon.process.kill()
+        raise
     status = daemon.process.wait(MARGIN_SECONDS)
     told = [line["event"] for line in daemon.log][-1:]
     return conclude("stuck_worker", [report("a worker that never returns: SIGTERM ends the daemon", "status 1, stop_failed", f"status {status}, {told}",

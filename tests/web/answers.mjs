@@ -163,13 +163,16 @@ async function leftPicture(browser) {
 async function brokenStream(browser) {
   const page = await open(browser);
   page.tolerate(/ERR_CONNECTION_RESET/);
+  let streams = 0;
+  page.on("request", (request) => (streams += request.url().endsWith("/events") ? 1 : 0));
   await page.route(/\/events$/, (route) => route.abort("connectionreset"), { times: 1 });
   await page.getByRole("radio", { name: "Distance field" }).check({ force: true });
   await page.waitForFunction(() => window.geodesicd.last?.max > 0);
   assert.equal(await page.locator("#notice .error").textContent(), "");
+  assert.equal(streams, 2);
 }
 
-/** The daemon does not tell the memory to each key, so the page shows no zeros instead. */
+/** Without the role operator, metrics omit the memory. The page shows the reason, not zeros. */
 async function hiddenMemory(browser) {
   const page = await open(browser);
   await page.route(/\/metrics/, (route) => route.fulfill({ body: "geodesicd_jobs 0\n" }));

@@ -203,7 +203,7 @@ async function keys(browser) {
   for (let axis = 0; axis < 3; axis++) assert.ok(Math.abs(step[axis] - step[axis + 3]) < 2e-4);
 }
 
-/** Colours of the legend have a meaning, so they stay in the colours that the user forces. */
+/** Colours of the legend carry data, so forced colours do not replace them. */
 async function forcedColours(browser) {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=set`);
   await page.emulateMedia({ forcedColors: "active" });

@@ -350,7 +350,7 @@ class Client:
     @property
     def _batch_wait(self) -> int:
         """Seconds that one request waits for a batch, so that it does not reach the timeout."""
-        return min(BATCH_WAIT, int((self.transport.timeout or 2 * BATCH_WAIT) / 2))
+        return max(1, min(BATCH_WAIT, int((self.transport.timeout or 2 * BATCH_WAIT) / 2)))
 
     def __enter__(self) -> "Client":
         return self

@@ -39,10 +39,10 @@ const SENTENCES: Record<number, string> = {
   412: "Another client has replaced this surface since the page loaded it.",
   429: "The daemon limits how often this key may ask. Wait a few seconds, then try again.",
   503: "The daemon is busy. Wait a few seconds, then try again.",
-  504: "The work took longer than the daemon permits. Try again, or with fewer points.",
+  504: "The work took longer than the daemon permits. Try again, or use fewer points.",
 };
 /** The message if the daemon has removed a field or a job, or was started again. */
-const LOST = "The daemon no longer has this result. Move a point to compute it again.";
+const LOST = "The daemon no longer has this result. Start the same work again.";
 
 function sentence(problem: Partial<Problem>, status: number, url: string): string {
   if ([404, 410].includes(status) && /\/(fields|jobs)\//.test(url)) return LOST;

@@ -105,7 +105,7 @@ export class App {
     byId("loads").append(this.troubles.node);
     addEventListener("focus", () => void this.list(() => {})); /* for changes by other clients */
     this.display = new Display(this);
-    this.bench.onMeshes = () => void this.list();
+    this.bench.onMeshes = () => this.list();
     this.points.onChange = (live) => this.changed(live);
     this.points.onLook = () => this.showHandles();
     this.scene.onFrame = () => this.handles.place();
@@ -450,7 +450,7 @@ export class App {
       if (!(live && isMiss(error))) this.refuse(signal.aborted ? signal.reason : error);
     }
     clearTimeout(waiting);
-    bench.end();
+    if (bench.signal === signal) bench.end();
     if (!live) this.showHandles();
     this.tell();
   }

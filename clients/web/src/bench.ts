@@ -31,7 +31,7 @@ export class Bench {
   /** The names of the daemon's meshes. */
   taken: ReadonlySet<string> = new Set();
   /** Called when a mode has created meshes. */
-  onMeshes: () => void = () => {};
+  onMeshes: () => Promise<void> = async () => {};
   /** Requests that the query depends on, such as an upload; shown before its own requests. */
   prelude: Request[] = [];
   private requests: Request[] = [];
@@ -104,7 +104,7 @@ export class Bench {
     this.running.abort();
   }
 
-  /** Aborts the running query for the user. The page then shows that it has no answer. */
+  /** Aborts the running query for the user, who is told so. Other aborts are silent. */
   cancel(): void {
     this.running.abort(new Cancelled("You have cancelled the question."));
   }

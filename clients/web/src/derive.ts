@@ -94,16 +94,16 @@ export class Derive {
     const onPart = (part: number): void =>
       notice.showProgress("Editing", part, () => running.abort());
     notice.warn("");
-    this.start.disabled = true; /* a second edit would get the same name */
+    this.start.disabled = true; /* until the new name is listed: a second edit would get it too */
     try {
       const response = await ask(await runJob(api, request, onPart, running.signal));
-      await this.compare(surface, (await received(response.json())) as Mesh);
+      await this.compare(surface, (await received(response.json(), running.signal)) as Mesh);
     } catch (error) {
       if (!isAbort(error)) notice.warn(messageOf(error));
     }
-    this.start.disabled = false;
     notice.hideProgress();
-    bench.onMeshes();
+    await bench.onMeshes();
+    this.start.disabled = false;
   }
 
   /** Compares the result with the original, unless another surface has been opened. */

@@ -5,14 +5,14 @@ import { type Api, ApiError, received, type Request } from "./api.ts";
 
 export type OnProgress = (part: number, state: Job["state"]) => void;
 
-const MOST_BREAKS = 5; /* a job is given up if its stream breaks so often without an event */
+const MOST_BREAKS = 5; /* streams in a row that may end without an event */
 const PAUSE = 500; /* milliseconds before the page opens a stream again */
 
 /** Yields the data of the server-sent events of a stream. */
-async function* events(response: Response): AsyncGenerator<Job> {
+async function* events(response: Response, signal?: AbortSignal): AsyncGenerator<Job> {
   const reader = response.body!.pipeThrough(new TextDecoderStream()).getReader();
   let text = "";
-  const next = (): ReturnType<typeof reader.read> => received(reader.read());
+  const next = (): ReturnType<typeof reader.read> => received(reader.read(), signal);
   for (let read = await next(); !read.done; read = await next()) {
     const parts = (text + read.value).split("\n\n");
     text = parts.pop()!;
@@ -35,13 +35,13 @@ async function follow(
   const request = { method: "GET", path: `${path}/events`, accept: "text/event-stream" } as const;
   for (let breaks = 0; ; breaks++) {
     try {
-      for await (const job of events(await api.send(request, signal))) {
+      for await (const job of events(await api.send(request, signal), signal)) {
         breaks = 0;
         onProgress(job.progress, job.state);
         if (hasEnded(job)) return job;
       }
     } catch (error) {
-      if (signal?.aborted || error instanceof ApiError || breaks === MOST_BREAKS) throw error;
+      if (signal?.aborted || error instanceof ApiError || breaks >= MOST_BREAKS) throw error;
     }
     await new Promise((resume) => setTimeout(resume, PAUSE));
   }

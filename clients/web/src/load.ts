@@ -19,21 +19,22 @@ const waiting = new Map<
   { resolve: (prepared: Prepared) => void; reject: (error: Error) => void }
 >();
 /** The worker. It starts with the page, so that it is ready when the first mesh arrives. */
-let worker: Worker | null = started();
+let worker: Worker | null = startWorker();
 let count = 0;
 
-function started(): Worker {
+function startWorker(): Worker {
   const made = new Worker("/worker.js", { type: "module" });
   made.onmessage = receive;
-  made.onerror = stop;
+  made.onerror = dropWorker;
   return made;
 }
 
-/** Gives up a worker that did not load. The next mesh starts a new one. */
-function stop(): void {
+/** Drops a worker that did not load or that threw an error. The next mesh starts a new one. */
+function dropWorker(): void {
+  worker?.terminate();
   worker = null;
   for (const { reject } of waiting.values())
-    reject(new NoAnswer("The page could not load all of its parts. Try again."));
+    reject(new NoAnswer("The page could not load the script that prepares meshes. Try again."));
   waiting.clear();
 }
 
@@ -49,7 +50,7 @@ export function prepared(source: ArrayBuffer | Triangles): Promise<Prepared> {
   const buffers =
     source instanceof ArrayBuffer ? [source] : [source.positions.buffer, source.faces.buffer];
   const id = count++;
-  (worker ??= started()).postMessage({ id, source }, buffers as ArrayBuffer[]);
+  (worker ??= startWorker()).postMessage({ id, source }, buffers as ArrayBuffer[]);
   return new Promise((resolve, reject) => waiting.set(id, { resolve, reject }));
 }
 
@@ -115,7 +116,7 @@ async function previewOf(api: Api, name: string, load: Load): Promise<Preview | 
       const deviation = Number(response.headers.get("Geodesic-Largest-Distance"));
       return { file: await received(contents(response, load), load.signal), deviation };
     }
-    load.onPart(((await response.json()) as { progress: number }).progress);
+    load.onPart(((await received(response.json(), load.signal)) as { progress: number }).progress);
     await new Promise((resume) =>
       setTimeout(resume, 1000 * Number(response.headers.get("Retry-After") ?? 1)),
     );

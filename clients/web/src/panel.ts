@@ -37,7 +37,7 @@ export function buildAccess(api: Api, onChange: () => void): void {
     id: "key",
     autocomplete: "off",
     pattern: "\\s*[!-~]*\\s*",
-    title: "A key has only letters, digits, and signs of ASCII.",
+    title: "A key contains only ASCII letters, digits and punctuation, without spaces.",
     value: api.key,
   });
   const submit = (event: SubmitEvent): void => {

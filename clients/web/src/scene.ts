@@ -443,7 +443,7 @@ export class Scene {
     return numbers.map((x) => Number(x.toFixed(4))).join(",");
   }
 
-  /** Does nothing if the text is invalid. */
+  /** Sets the camera from the text of an address. Invalid text leaves the camera unchanged. */
   set view(text: string) {
     const [x, y, z, a, b, c] = text.split(",").map(Number);
     const numbers = [x, y, z, a, b, c];

@@ -1,7 +1,7 @@
 // Shows memory and cache of the daemon, from /v1 and /metrics, while its part of the panel is open.
 
 import type { Service } from "../../js/types.d.ts";
-import type { Api } from "./api.ts";
+import { type Api, received } from "./api.ts";
 import { byId, make } from "./dom.ts";
 import { bytes, number, whole } from "./units.ts";
 
@@ -48,7 +48,7 @@ export class ServicePanel {
     try {
       this.service ??= await this.api.get<Service>("/v1");
       const response = await this.api.send({ method: "GET", path: "/metrics" });
-      this.show(this.service, parse(await response.text()));
+      this.show(this.service, parse(await received(response.text())));
     } catch (error) {
       this.body.replaceChildren(make("p", { class: "faint" }, (error as Error).message));
     }
@@ -63,7 +63,7 @@ export class ServicePanel {
       size: of(`memory_bytes{class="${name}"}`),
     })).filter(({ size }) => size > 0);
     if (!samples.has('geodesicd_memory_bytes{class="meshes"}')) {
-      const text = "On a daemon with keys, only a key with the role operator shows these numbers.";
+      const text = "Only an access key with the role operator can read these numbers.";
       return this.body.replaceChildren(make("p", { class: "faint" }, text));
     }
     const total = held.reduce((sum, { size }) => sum + size, 0);

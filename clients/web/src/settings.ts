@@ -183,7 +183,10 @@ export class Settings {
     return Object.fromEntries(entries.map(([name]) => [name, String(this.values.get(name))]));
   }
 
-  /** Restores values from an address. Missing and invalid values become the defaults. */
+  /**
+   * Restores values from an address. Numbers snap to a step of their slider. Missing and invalid
+   * values become the defaults.
+   */
   restore(parameters: URLSearchParams): void {
     for (const [name, setting] of Object.entries(this.table)) {
       const text = parameters.get(name);

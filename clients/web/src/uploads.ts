@@ -78,7 +78,7 @@ async function causeOf(body: Blob): Promise<Error> {
     await body.slice(0, 1).arrayBuffer();
     return new Error("The connection broke during the upload. Send the file again.");
   } catch {
-    return new Error("The browser cannot read it. If you have changed the file, choose it again.");
+    return new Error("The browser cannot read the file. If you have changed the file, choose it again.");
   }
 }
 

@@ -221,6 +221,7 @@ static const struct {
     {"'2.0'", "'1.0'", GD_UNSUPPORTED, "version 2"},
     {"'2.0'", "'2.1','minVersion':'2.1'", GD_UNSUPPORTED, "version 2"},
     {"'2.0'", "'2.1','minVersion':'2.0'", GD_OK, NULL},
+    {"'2.0'", "'1.0','minVersion':'2.0'", GD_UNSUPPORTED, "version 2"},
     {"'version'", "'revision'", GD_SYNTAX, "not glTF"},
     {"'uri':'@'", "'uri':'square.bin'", GD_UNSUPPORTED, "another file, 'square.bin'"},
     {"'uri':'@'", "'uri':'data:text/plain,abc'", GD_UNSUPPORTED, "not encoded in base64"},

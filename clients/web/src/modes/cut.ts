@@ -128,7 +128,7 @@ export class CutMode extends Mode {
         make("ul", {}, ...made.pieces!.map((piece, i) => this.row(piece, i))),
       );
     });
-    bench.onMeshes();
+    void bench.onMeshes();
     bench.points.onLook();
   }
 
