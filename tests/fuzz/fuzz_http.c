@@ -23,6 +23,7 @@ enum {
     ANSWER_BYTES = 1 << 16,
     REFRESH = 128,   /* the mesh is uploaded again after this number of inputs */
     SILENCE_MS = 10, /* after this silence the daemon is assumed to wait for more bytes */
+    NO_LIMIT = -1,   /* for complete requests: the daemon drops them if the client shuts down */
     TRIES = 600,     /* number of attempts to connect, or to upload the mesh */
 };
 
@@ -86,9 +87,10 @@ static int join(void)
     return client;
 }
 
-/* Sends the bytes in two pieces, and reads until the daemon closes the connection. Returns the size
- * of the answer in `answer`. */
-static size_t exchange(const char *bytes, size_t size, bool asks_more,
+/* Sends the bytes in two pieces, and one more request unless `silence_ms` is 0. Reads until the
+ * daemon closes the connection, and shuts the client's side down after each silence of that length.
+ * Returns the size of the answer in `answer`. */
+static size_t exchange(const char *bytes, size_t size, int silence_ms,
                        char answer[ANSWER_BYTES + 1])
 {
     struct pollfd poll_of = {.fd = join(), .events = POLLIN};
@@ -97,9 +99,9 @@ static size_t exchange(const char *bytes, size_t size, bool asks_more,
     ssize_t got = 0;
     if (send(client, bytes, first, MSG_NOSIGNAL) == (ssize_t)first)
         (void)!send(client, bytes + first, size - first, MSG_NOSIGNAL);
-    if (asks_more) (void)!send(client, last, sizeof last - 1, MSG_NOSIGNAL);
+    if (silence_ms != 0) (void)!send(client, last, sizeof last - 1, MSG_NOSIGNAL);
     while (have < ANSWER_BYTES) {
-        if (!asks_more || poll(&poll_of, 1, SILENCE_MS) == 0) shutdown(client, SHUT_WR);
+        if (poll(&poll_of, 1, silence_ms) == 0) shutdown(client, SHUT_WR);
         if ((got = read(client, answer + have, ANSWER_BYTES - have)) <= 0) break;
         have += (size_t)got;
     }
@@ -116,7 +118,7 @@ static void upload(void)
     static char answer[ANSWER_BYTES + 1];
     int tries = 0;
     do {
-        promise(tries++ < TRIES && exchange(request, sizeof request - 1, true, answer) > 0);
+        promise(tries++ < TRIES && exchange(request, sizeof request - 1, NO_LIMIT, answer) > 0);
         /* on a busy machine the upload may miss its deadline */
     } while (strncmp(answer, "HTTP/1.1 504 ", 13) == 0);
     promise(strncmp(answer, "HTTP/1.1 20", 11) == 0);
@@ -125,7 +127,7 @@ static void upload(void)
 static void require_life(void)
 {
     static char answer[ANSWER_BYTES + 1];
-    promise(exchange("", 0, true, answer) > 0 && strncmp(answer, "HTTP/1.1 200 ", 13) == 0);
+    promise(exchange("", 0, NO_LIMIT, answer) > 0 && strncmp(answer, "HTTP/1.1 200 ", 13) == 0);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -137,7 +139,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         require_life();
         upload();
     }
-    size_t length = exchange((const char *)data + 1, size - 1, data[0] & 1, answer);
+    size_t length =
+        exchange((const char *)data + 1, size - 1, data[0] & 1 ? SILENCE_MS : 0, answer);
     promise(length == 0 || strncmp(answer, "HTTP/1.1 ", 9) == 0);
     /* no body of an answer contains CR LF */
     promise(strstr(answer, "HTTP/1.1 500 Internal Server Error\r\n") == NULL);
