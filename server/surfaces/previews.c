@@ -88,9 +88,10 @@ static struct server_lru_item *preview_read_or_make(struct server_build *build)
 static void preview_on_end(const struct server_build *build, bool is_kept)
 {
     enum gd_status status = ((struct server_previews *)build->background)->status;
-    bool was_short = status == GD_CANCELLED && server_build_is_pressed(build);
     (void)is_kept;
-    build->surface->preview.failure = was_short ? GD_BUDGET : status;
+    /* a build that is cancelled because its surface retires or the daemon stops has not failed */
+    if (status == GD_CANCELLED) status = server_build_is_pressed(build) ? GD_BUDGET : GD_OK;
+    build->surface->preview.failure = status;
 }
 
 /* --- finding ---------------------------------------------------------------------------------- */
