@@ -61,6 +61,27 @@ async function sheet(browser) {
   await page.getByRole("button", { name: "Show the controls" }).click();
 }
 
+/** Sizes in CSS pixels of phones on their side. */
+const SIDEWAYS = [[667, 375], [568, 320]];
+
+/** On a phone on its side, the picture keeps half of the window, and the panel scrolls. */
+async function sideways(browser) {
+  for (const [width, height] of SIDEWAYS) {
+    const page = await browser.page(`/#meshes=${browser.settings.large}&mode=field`, { ...PHONE, viewport: { width, height } });
+    await settle(page);
+    const canvas = await page.locator("#canvas").boundingBox();
+    assert.equal(canvas.height, height);
+    assert.ok(canvas.width >= width / 2, `the picture is ${canvas.width} pixels wide`);
+    await page.locator("#access summary").click();
+    await page.locator("#key").scrollIntoViewIfNeeded();
+    const key = await page.locator("#key").boundingBox();
+    assert.ok(key.y >= 0 && key.y + key.height <= height, `the key is at ${key.y}`);
+    const wide = await page.evaluate(() => document.getElementById("panel").scrollWidth - document.getElementById("panel").clientWidth);
+    assert.ok(wide <= 0, `the panel is ${wide} pixels too wide`);
+    await browser.picture(page, `phone-sideways-${width}`);
+  }
+}
+
 async function wheel(browser) {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
   await settle(page);
@@ -88,6 +109,12 @@ async function startCard(browser) {
   for (const { name } of meshes.slice(0, 3))
     assert.ok(await page.locator("#start").getByRole("button", { name, exact: true }).isVisible());
   await browser.picture(page, "start");
+  // on a small window, the card scrolls
+  await page.setViewportSize({ width: 568, height: 320 });
+  const card = page.locator("#start");
+  const { y, height } = await card.boundingBox();
+  assert.ok(y >= 0 && y + height <= 320, `the card has ${height} pixels from ${y}`);
+  await card.getByRole("button", { name: "Vase (revolution)" }).click({ trial: true });
 }
 
 const meshNames = async (browser) =>
@@ -251,6 +278,7 @@ async function deleting(browser) {
 export const tests = {
   "answers are in sight on a laptop": answersInSight,
   "the sheet of a phone folds": sheet,
+  "a phone on its side": sideways,
   "the wheel zooms to the cursor": wheel,
   "the start card lists the daemon's meshes": startCard,
   "smooth surfaces leave no mesh": nothingStored,
