@@ -62,10 +62,15 @@ async function refusal(browser) {
   assert.match(await read(page, "curl"), /\/path\?/);
 }
 
+const busy = (seconds) => ({ ...problem(503, "overloaded", "the queue is full"), headers: { "Retry-After": `${seconds}` } });
+
+/** Answers, their messages, and the number of requests if it is not 1. */
 const CAUSES = [
   [problem(401, "unauthorized", "no key"), /access key/],
   [problem(404, "not_found", "there is no mesh of this name"), /does not have this surface/],
   [problem(503, "overloaded", "the queue is full"), /busy/],
+  [busy(0), /busy/, 5],
+  [busy(86400), /busy/],
   [problem(504, "deadline_exceeded", "the deadline passed"), /longer than the daemon permits/],
   [{ contentType: "application/json", body: '{"dist' }, /does not answer/],
   [null, /does not answer/],
@@ -74,16 +79,39 @@ const CAUSES = [
 async function retries(browser) {
   const page = await open(browser);
   page.tolerate(/status of (401|404|503|504)|ERR_FAILED/);
-  for (const [answer, sentence] of CAUSES) {
+  let requests = 0;
+  page.on("request", (request) => (requests += /\/path\?/.test(request.url()) ? 1 : 0));
+  for (const [answer, sentence, count = 1] of CAUSES) {
+    requests = 0;
     const permit = await refuse(page, answer);
     await nudge(page);
     assert.match(await page.locator("#notice .error").textContent(), sentence);
+    assert.equal(requests, count);
     await permit();
     await page.getByRole("button", { name: "Try again" }).click();
     await settle(page);
     assert.equal(await page.locator("#notice .error").textContent(), "");
     assert.ok((await read(page, "last")).distance > 0);
   }
+}
+
+/** While the daemon is busy, the page waits and repeats the request. The user can end the wait. */
+async function wait(browser) {
+  const page = await open(browser);
+  page.tolerate(/status of 503/);
+  let [left, seconds] = [1, 9];
+  await page.route(/\/path\?/, (route) => (left-- > 0 ? route.fulfill(busy(seconds)) : route.continue()));
+  await page.getByRole("button", { name: "End", exact: true }).press("Shift+ArrowRight");
+  const message = page.locator("#busy").filter({ hasText: /Next try in 9 s/ });
+  await message.waitFor();
+  await browser.picture(page, "busy-daemon");
+  await message.getByRole("button", { name: "Cancel" }).click();
+  await settle(page);
+  assert.match(await page.locator("#notice .error").textContent(), /busy/);
+  assert.equal(await page.locator("#busy").textContent(), "");
+  [left, seconds] = [2, 0];
+  await nudge(page);
+  assert.equal(await page.locator("#notice .error").textContent(), "");
 }
 
 /** If the user cancels a question, the answer for the former points disappears. */
@@ -251,6 +279,7 @@ export const tests = {
   "a refusal removes the answer": refusal,
   "a drag beside the surface keeps the answer": missed,
   "a retry repeats the query": retries,
+  "a busy daemon": wait,
   "a cancelled question leaves no answer": cancelled,
   "a late cut is not shown": lateCut,
   "progress ends with the points": removedPoints,

@@ -61,22 +61,20 @@ async function sheet(browser) {
   await page.getByRole("button", { name: "Show the controls" }).click();
 }
 
-/** Sizes in CSS pixels of phones on their side. */
-const SIDEWAYS = [[667, 375], [568, 320]];
-
 /** On a phone on its side, the picture keeps half of the window, and the panel scrolls. */
 async function sideways(browser) {
-  for (const [width, height] of SIDEWAYS) {
-    const page = await browser.page(`/#meshes=${browser.settings.large}&mode=field`, { ...PHONE, viewport: { width, height } });
-    await settle(page);
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=field`, PHONE);
+  await settle(page);
+  await page.locator("#access summary").click();
+  for (const [width, height] of [[667, 375], [568, 320]]) {
+    await page.setViewportSize({ width, height });
     const canvas = await page.locator("#canvas").boundingBox();
     assert.equal(canvas.height, height);
     assert.ok(canvas.width >= width / 2, `the picture is ${canvas.width} pixels wide`);
-    await page.locator("#access summary").click();
     await page.locator("#key").scrollIntoViewIfNeeded();
     const key = await page.locator("#key").boundingBox();
     assert.ok(key.y >= 0 && key.y + key.height <= height, `the key is at ${key.y}`);
-    const wide = await page.evaluate(() => document.getElementById("panel").scrollWidth - document.getElementById("panel").clientWidth);
+    const wide = await page.locator("#panel").evaluate((panel) => panel.scrollWidth - panel.clientWidth);
     assert.ok(wide <= 0, `the panel is ${wide} pixels too wide`);
     await browser.picture(page, `phone-sideways-${width}`);
   }
@@ -212,7 +210,7 @@ async function turns(browser) {
   await browser.ask("DELETE", "/v1/nurbs/ring");
 }
 
-/** The keyboard turns, shifts and zooms the picture. */
+/** The keyboard turns and shifts the picture, and moves a point up to the outline. */
 async function keys(browser) {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
   await settle(page);
@@ -228,6 +226,13 @@ async function keys(browser) {
   const step = shifted.map((x, i) => x - turned[i]);
   assert.ok(Math.hypot(...step.slice(0, 3)) > 0.05);
   for (let axis = 0; axis < 3; axis++) assert.ok(Math.abs(step[axis] - step[axis + 3]) < 2e-4);
+  const end = page.getByRole("button", { name: "End", exact: true });
+  const pressed = async (key, count) => {
+    for (let i = 0; i < count; i++) await end.press(key);
+    return (await end.boundingBox()).x;
+  };
+  const outline = await pressed("Shift+ArrowRight", 25);
+  assert.ok(Math.abs((await pressed("ArrowRight", 8)) - outline) < 2);
 }
 
 /** Colours of the legend carry data, so forced colours do not replace them. */
@@ -265,6 +270,9 @@ async function lostWebGl(browser) {
   });
   const message = page.locator("#busy").filter({ hasText: /has lost the picture/ });
   await message.waitFor();
+  await page.evaluate(() => (location.hash += "&unit=mm")); // the message stays while the page changes
+  await settle(page);
+  assert.ok(await message.isVisible());
   await page.evaluate(() => window.loss.restoreContext());
   await message.waitFor({ state: "detached" });
 }

@@ -74,14 +74,21 @@ const missingChoice = withMeshes(["here", "gone"], async (browser) => {
   await page.waitForFunction(() => !document.querySelector('option[value="meshes/gone"]'));
 });
 
-/** If two surfaces load at the same time, the page shows the surface chosen last. */
+/**
+ * If the user cancels a load, the open surface stays. If two surfaces load at the same time, the
+ * page shows the surface chosen last.
+ */
 const overtaken = withMeshes(["slow", "quick"], async (browser) => {
   const page = await open(browser, "/#meshes=quick&mode=pair");
   const release = await hold(page, /\/slow\/content/);
-  await Promise.all([
-    page.waitForRequest(/\/slow\/content/),
-    select(page).selectOption("meshes/slow"),
-  ]);
+  const asked = () => page.waitForRequest(/\/slow\/content/);
+  await Promise.all([asked(), select(page).selectOption("meshes/slow")]);
+  await page.locator("#busy").getByRole("button", { name: "Cancel" }).click();
+  await settle(page);
+  assert.equal(await select(page).inputValue(), "meshes/quick");
+  assert.ok(await page.locator("#answer dd.main").isVisible());
+  assert.match(await page.locator("#loads .error").textContent(), /cancelled/);
+  await Promise.all([asked(), page.getByRole("button", { name: "Try again" }).click()]);
   await Promise.all([
     page.waitForResponse(/\/quick\/content/),
     select(page).selectOption("meshes/quick"),

@@ -46,9 +46,13 @@ async function replace(browser) {
   await removeAll(browser, "twice");
 }
 
+/** Uploads two files. The busy daemon refuses the first one twice. */
 async function several(browser) {
   const page = await browser.page("/");
   await settle(page);
+  page.tolerate(/status of 503/);
+  const busy = { status: 503, headers: { "Retry-After": "0" } };
+  await page.route(/\/v1\/meshes\/one/, (route) => route.fulfill(busy), { times: 2 });
   await drop(page, ["one.obj", OCTAHEDRON], ["two.obj", TETRAHEDRON]);
   await shows(page, "two");
   assert.deepEqual([await facesOf(browser, "one"), await facesOf(browser, "two")], [8, 4]);

@@ -31,6 +31,9 @@ export class NoAnswer extends Error {}
 /** The user has cancelled the work. */
 export class Cancelled extends Error {}
 
+const MOST_REPEATS = 4; /* of one request that the daemon refuses because it is busy */
+const LONGEST_PAUSE = 20; /* seconds; a refusal with a longer Retry-After is an error at once */
+
 /** Messages for statuses whose cause is not in the request, with the next step. */
 const SENTENCES: Record<number, string> = {
   401: "The daemon needs an access key. Enter a valid one under Access key.",
@@ -82,6 +85,10 @@ export function pathOf(request: Request): string {
 export class Api {
   /** The access key, which the page forgets when the tab closes. */
   private own = "";
+  /** The waits for a busy daemon. Each function ends one of them. */
+  private readonly pauses = new Set<() => void>();
+  /** Called when the page begins to wait for a busy daemon (seconds), and at the end (null). */
+  onPause: (seconds: number | null) => void = () => {};
 
   constructor() {
     try {
@@ -125,7 +132,44 @@ export class Api {
       body,
       signal,
     };
-    return received(fetch(pathOf(request), options), signal);
+    return this.persist(() => received(fetch(pathOf(request), options), signal), signal);
+  }
+
+  /**
+   * Sends a request, and again after a refusal with Retry-After because the daemon is busy. The
+   * daemon has not begun a request that it refuses, so each method may be repeated.
+   */
+  async persist(send: () => Promise<Response>, signal?: AbortSignal): Promise<Response> {
+    for (let repeats = 0; ; repeats++) {
+      const response = await send();
+      const seconds = Number(response.headers.get("Retry-After") ?? NaN);
+      const isBusy = [429, 503].includes(response.status) && seconds <= LONGEST_PAUSE;
+      if (!isBusy || repeats === MOST_REPEATS || !(await this.pause(seconds, signal)))
+        return response;
+    }
+  }
+
+  /** Waits. Returns false if the user ends the wait; throws if the signal is aborted. */
+  private async pause(seconds: number, signal?: AbortSignal): Promise<boolean> {
+    let end = (): void => {};
+    const isOver = new Promise<boolean>((resolve) => {
+      setTimeout(() => resolve(true), 1000 * seconds);
+      end = () => resolve(false);
+    });
+    signal?.addEventListener("abort", end);
+    this.pauses.add(end);
+    this.onPause(seconds);
+    const result = await isOver;
+    signal?.removeEventListener("abort", end);
+    this.pauses.delete(end);
+    if (this.pauses.size === 0) this.onPause(null);
+    signal?.throwIfAborted();
+    return result;
+  }
+
+  /** Ends all waits for a busy daemon. Their requests fail with the daemon's refusal. */
+  endPauses(): void {
+    for (const end of this.pauses) end();
   }
 
   /** Returns a successful response; throws ApiError or NoAnswer otherwise. */

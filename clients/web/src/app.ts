@@ -15,7 +15,7 @@ import { loadSurface, namesOf } from "./load.ts";
 import { allModes } from "./modes/index.ts";
 import type { Mode } from "./modes/mode.ts";
 import { type Place, snapped } from "./place.ts";
-import { messageOf, Notice } from "./notice.ts";
+import { messageOf, Notice, Waits } from "./notice.ts";
 import { Points, startPlace } from "./points.ts";
 import { SAMPLES, type Sample } from "./samples.ts";
 import { type Pixel, Scene } from "./scene.ts";
@@ -35,6 +35,10 @@ const RETRIED = [401, 404, 410, 429, 503, 504];
  * original. During a drag, the previous answer then stays.
  */
 const isMiss = (error: unknown): boolean => error instanceof ApiError && error.status === 422;
+
+/** Returns a promise that is rejected when the signal is aborted. */
+const rejected = (signal: AbortSignal): Promise<never> =>
+  new Promise((_, reject) => signal.addEventListener("abort", () => reject(signal.reason)));
 
 /** The parameters of an address and the mode with which a surface is shown. */
 interface View {
@@ -89,6 +93,7 @@ export class App {
   private loadingKind: Kind = "meshes";
   /** Errors about surfaces. */
   private readonly troubles = new Notice();
+  private readonly waits = new Waits(byId("busy"));
 
   constructor() {
     this.chooser = new Chooser({
@@ -112,7 +117,8 @@ export class App {
     this.scene.isWaiting = () => this.asker.busy || this.loads > 0 || this.uploads.busy;
     this.scene.onCamera = () => this.writeView(false);
     const lost = "The browser has lost the picture. If it does not return, reload the page.";
-    this.scene.onLoss = (isLost) => this.say(isLost ? lost : "");
+    this.scene.onLoss = (isLost) => this.waits.say("picture", isLost ? lost : "");
+    this.api.onPause = (seconds) => this.sayPause(seconds);
     for (const mode of this.modes) mode.settings.onChange = (live) => this.changed(live);
   }
 
@@ -177,8 +183,13 @@ export class App {
     this.onTrouble(messageOf(error));
   }
 
-  private say(text: string): void {
-    byId("busy").textContent = text;
+  private sayLoad(text: string): void {
+    this.waits.say("load", text, () => this.cancelLoad());
+  }
+
+  private sayPause(seconds: number | null): void {
+    const text = `The daemon accepts no requests at present. Next try in ${seconds} s.`;
+    this.waits.say("pause", seconds === null ? "" : text, () => this.api.endPauses());
   }
 
   // --- surfaces ----------------------------------------------------------------------------------
@@ -208,7 +219,13 @@ export class App {
   /** Ends a load, because the user has chosen the open surface instead. */
   private stopLoading(): void {
     this.loading.abort();
-    this.say("");
+    this.sayLoad("");
+  }
+
+  /** Ends the running load for the user, who is told so. */
+  private cancelLoad(): void {
+    this.loading.abort(new Cancelled("You have cancelled the load."));
+    this.sayLoad("");
   }
 
   /**
@@ -241,17 +258,19 @@ export class App {
     const { signal } = (this.loading = new AbortController());
     this.loadingKind = kind;
     this.troubles.warn("");
-    this.say(`Loading ${name}`);
+    this.sayLoad(`Loading ${name}`);
     this.loads++;
-    const onPart = (part: number): void => this.say(`Loading ${name}, ${Math.floor(100 * part)} %`);
+    const onPart = (part: number): void =>
+      signal.aborted ? undefined : this.sayLoad(`Loading ${name}, ${Math.floor(100 * part)} %`);
     try {
-      const surface = await loadSurface(this.api, kind, name, { signal, onPart });
+      const load = loadSurface(this.api, kind, name, { signal, onPart });
+      const surface = await Promise.race([load, rejected(signal)]);
       if (!signal.aborted) this.showSurface(surface, view);
     } catch (error) {
-      if (!signal.aborted) this.failLoad(error, { kind, name, view });
+      this.failLoad(signal.aborted ? signal.reason : error, { kind, name, view });
     }
     this.loads--;
-    if (!signal.aborted) this.say("");
+    if (!signal.aborted) this.sayLoad("");
   }
 
   /**
@@ -259,6 +278,7 @@ export class App {
    * address names the failed surface.
    */
   private failLoad(error: unknown, { kind, name, view }: Wanted): void {
+    if (isAbort(error)) return;
     if (view.parameters) this.close();
     byId("start").hidden = this.bench.surface !== undefined;
     this.chooser.show(this.chooser.known, this.bench.surface);
@@ -483,10 +503,11 @@ export class App {
     return this.asker.busy || this.loads > 0 || this.uploads.busy || this.state.isPending;
   }
 
-  /** Aborts the running query and all uploads. */
+  /** Aborts the running query, the load and all uploads. */
   cancel(): void {
     this.bench.cancel();
     this.uploads.cancel();
+    if (this.loads > 0) this.cancelLoad();
   }
 
   showFacts(): void {

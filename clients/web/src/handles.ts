@@ -139,9 +139,12 @@ export class Handles {
     event.stopPropagation();
   }
 
+  /** Moves a point by an arrow key. Near the outline, the step is shorter, to stay on the surface. */
   private step(mark: Mark, arrow: Pixel, size: number): void {
     const at = this.scene.project(mark.place.xyz);
-    const place = this.scene.pick({ x: at.x + arrow.x * size, y: at.y + arrow.y * size });
-    if (place) this.points.move(mark, place, false);
+    for (let length = size; length >= 1; length /= 2) {
+      const place = this.scene.pick({ x: at.x + arrow.x * length, y: at.y + arrow.y * length });
+      if (place) return this.points.move(mark, place, false);
+    }
   }
 }

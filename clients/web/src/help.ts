@@ -16,7 +16,7 @@ const KEYS: [string, string][] = [
   ["C", "copy the request as curl"],
   ["L", "copy a link to this view"],
   ["Ctrl+Z", "undo; Ctrl+Shift+Z or Ctrl+Y: redo"],
-  ["Esc", "cancel the running question"],
+  ["Esc", "cancel the running question, load or upload"],
   ["?", "this list"],
 ];
 

@@ -1,4 +1,5 @@
-// A message about work: an error with buttons for the next step, or progress with Cancel.
+// Messages about work: an error with buttons for the next step, or progress with Cancel. The lines
+// over the picture say what the page waits for.
 
 import { button, make } from "./dom.ts";
 
@@ -44,5 +45,30 @@ export class Notice {
 
   hideProgress(): void {
     this.progress.hidden = true;
+  }
+}
+
+export class Waits {
+  private readonly lines = new Map<string, HTMLElement>();
+
+  constructor(private readonly node: HTMLElement) {}
+
+  /**
+   * Shows a line about a subject. An empty text removes the line. `cancel` is the action of its
+   * button, and is the same for all lines about this subject.
+   */
+  say(subject: string, text: string, cancel?: () => void): void {
+    const line = this.lines.get(subject) ?? this.add(subject, cancel);
+    if (line.firstChild!.textContent !== text) line.firstChild!.textContent = text;
+    if (text) return;
+    line.remove();
+    this.lines.delete(subject);
+  }
+
+  private add(subject: string, cancel?: () => void): HTMLElement {
+    const line = make("p", {}, make("span"), ...(cancel ? [button("Cancel", cancel)] : []));
+    this.lines.set(subject, line);
+    this.node.append(line);
+    return line;
   }
 }

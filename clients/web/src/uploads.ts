@@ -83,11 +83,12 @@ async function causeOf(body: Blob): Promise<Error> {
 }
 
 function responseOf(sent: XMLHttpRequest): Response {
-  const location = sent.getResponseHeader("Location");
-  return new Response(sent.responseText, {
-    status: sent.status,
-    headers: location ? { Location: location } : {},
-  });
+  const headers = new Headers();
+  for (const name of ["Location", "Retry-After"]) {
+    const value = sent.getResponseHeader(name);
+    if (value) headers.set(name, value);
+  }
+  return new Response(sent.responseText, { status: sent.status, headers });
 }
 
 export class Uploads {
@@ -166,11 +167,15 @@ export class Uploads {
     const show = (step: string) => (part: number | null) =>
       this.progress.showProgress(`${step} ${label}`, part, () => this.cancel());
     show("Sending")(null); /* the browser reports no progress of small files */
-    const sent = await send(this.api, request, show("Sending"), running.signal);
+    const { signal } = running;
+    const sent = await this.api.persist(
+      () => send(this.api, request, show("Sending"), signal),
+      signal,
+    );
     const location = sent.headers.get("Location");
     const response =
       sent.status === 202
-        ? await followJob(this.api, location!, undefined, show("Reading"), running.signal)
+        ? await followJob(this.api, location!, undefined, show("Reading"), signal)
         : sent;
     await ask(response);
   }
