@@ -270,7 +270,7 @@ async function lostWebGl(browser) {
   });
   const message = page.locator("#busy").filter({ hasText: /has lost the picture/ });
   await message.waitFor();
-  await page.evaluate(() => (location.hash += "&unit=mm")); // the message stays while the page changes
+  await page.evaluate(() => (location.hash += "&unit=mm"));
   await settle(page);
   assert.ok(await message.isVisible());
   await page.evaluate(() => window.loss.restoreContext());

@@ -281,6 +281,7 @@ async function names({ settings }) {
   const { freeName, nameOf } = await load(settings, "uploads");
   assert.equal(nameOf("my part (v2).obj"), "my-part--v2-");
   assert.equal(nameOf(".obj"), "mesh");
+  assert.deepEqual(["a.b.obj.gz", "a.GZ", "a", ".gz"].map(nameOf), ["a.b", "a", "a", "mesh"]);
   assert.equal(freeName("spot", 2, new Set(["spot", "spot-2", "spot-4"])), "spot-3");
 }
 

@@ -1,8 +1,10 @@
 // Files of the user: existing names, several files, refusals.
 
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { utimesSync, writeFileSync } from "node:fs";
 import path from "node:path";
+import { gzipSync } from "node:zlib";
 import { drop, hold, OCTAHEDRON, settle } from "./viewer.mjs";
 
 const TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
@@ -57,6 +59,64 @@ async function several(browser) {
   await shows(page, "two");
   assert.deepEqual([await facesOf(browser, "one"), await facesOf(browser, "two")], [8, 4]);
   await removeAll(browser, "one", "two");
+}
+
+/** Returns a 3MF file with one object, a tetrahedron. */
+function packed() {
+  const vertices = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"].map((row) => row.replace(/(.) (.) (.)/, '<vertex x="$1" y="$2" z="$3"/>'));
+  const triangles = ["0 2 1", "0 1 3", "1 2 3", "0 3 2"].map((row) => row.replace(/(.) (.) (.)/, '<triangle v1="$1" v2="$2" v3="$3"/>'));
+  const mesh = `<mesh><vertices>${vertices.join("")}</vertices><triangles>${triangles.join("")}</triangles></mesh>`;
+  const input =
+    '<model xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>' +
+    `<object id="1">${mesh}</object></resources><build><item objectid="1"/></build></model>`;
+  const program = "import sys, zipfile; zipfile.ZipFile(sys.stdout.buffer, 'w').writestr('3D/3dmodel.model', sys.stdin.read())";
+  return execFileSync("python3", ["-c", program], { input });
+}
+
+/** Returns a tetrahedron in each format that the daemon reads, and a compressed one, by names. */
+async function everyFormat({ settings: { url } }) {
+  const source = `${url}/v1/meshes/source`;
+  await fetch(source, { method: "PUT", body: TETRAHEDRON });
+  const content = async (format) => Buffer.from(await (await fetch(`${source}/content?format=${format}`)).arrayBuffer());
+  const { capabilities } = await (await fetch(`${url}/v1`)).json();
+  const files = { "a-gz.obj.gz": gzipSync(TETRAHEDRON), "a-json.json": '{"vertices":[[0,0,0],[1,0,0],[0,1,0],[0,0,1]],"faces":[[0,2,1],[0,1,3],[1,2,3],[0,3,2]]}', "a-3mf.3mf": packed() };
+  for (const format of capabilities.formats) files[`a-${format}.${format}`] ??= await content(format);
+  await fetch(source, { method: "DELETE" });
+  return Object.entries(files);
+}
+
+/** If the daemon rejects a file, the page shows the daemon's sentence. */
+async function assertRejected(page, { url }) {
+  page.tolerate(/status of 4\d\d/);
+  const outside = '{"asset":{"version":"2.0"},"buffers":[{"uri":"points.bin","byteLength":9}]}';
+  const files = [["no.3mf", "no archive"], ["no.glb", "glTF"], ["no.gltf", outside], ["no.txt", "a letter"], ["no.obj.gz", "no gzip"]];
+  await drop(page, ...files);
+  const errors = page.locator("#uploads .error").filter({ hasText: /./ });
+  await errors.nth(files.length - 1).waitFor();
+  const shown = (await errors.allTextContents()).join("\n");
+  for (const [name, body] of files) {
+    const headers = name.endsWith(".gz") ? { "Content-Encoding": "gzip" } : {};
+    const { detail } = await (await fetch(`${url}/v1/meshes/no`, { method: "PUT", body, headers })).json();
+    assert.ok(shown.includes(`File ${name}: ${detail}`), `${name}: ${detail}\n${shown}`);
+  }
+}
+
+/** The page uploads each format. The user chooses some files in a dialog, and drops the others. */
+async function formats(browser) {
+  const files = await everyFormat(browser);
+  const names = files.map(([name]) => name.split(".")[0]);
+  const page = await browser.page("/");
+  await settle(page);
+  const [chooser] = await Promise.all([page.waitForEvent("filechooser"), page.getByRole("button", { name: "Upload", exact: true }).click()]);
+  const accepted = (await page.locator("#file").getAttribute("accept")).split(",");
+  for (const [name] of files) assert.ok(accepted.some((ending) => name.endsWith(ending)), name);
+  const half = files.length >> 1;
+  await chooser.setFiles(files.slice(0, half).map(([name, content]) => ({ name, mimeType: "", buffer: Buffer.from(content) })));
+  await drop(page, ...files.slice(half));
+  await shows(page, names.at(-1));
+  for (const name of names) assert.equal(await facesOf(browser, name), 4, name);
+  await removeAll(browser, ...names);
+  await assertRejected(page, browser.settings);
 }
 
 /** A file that is dropped while the page opens another one is uploaded, too. */
@@ -140,6 +200,7 @@ export const tests = {
   "a taken name: keep both": keepBoth,
   "a taken name: replace": replace,
   "several files at once": several,
+  "each format, chosen and dropped": formats,
   "a file dropped while another one opens": later,
   "a mesh dropped on a NURBS surface": meshOnNurbs,
   "a refused file leaves the answer": refused,

@@ -45,13 +45,13 @@ export const read = (page, name) => page.evaluate((key) => window.geodesicd[key]
 /** Returns the number that the answer shows, with all its digits. */
 const shown = async (page) => Number(await page.locator("#answer dd.main").first().getAttribute("title"));
 
-/** Drops files, given by their names and texts, on the page. */
+/** Drops files, given by their names and contents, on the page. */
 export async function drop(page, ...files) {
   const transfer = await page.evaluateHandle((all) => {
     const data = new DataTransfer();
-    for (const [name, text] of all) data.items.add(new File([text], name));
+    for (const [name, bytes] of all) data.items.add(new File([Uint8Array.from(bytes)], name));
     return data;
-  }, files);
+  }, files.map(([name, content]) => [name, [...Buffer.from(content)]]));
   for (const type of ["dragover", "drop"]) await page.dispatchEvent("body", type, { dataTransfer: transfer });
 }
 

@@ -22,7 +22,7 @@ import { type Pixel, Scene } from "./scene.ts";
 import { State } from "./state.ts";
 import { type Kind, type Surface, surfacePath } from "./surface.ts";
 import { Units } from "./units.ts";
-import { type Made, Uploads, type UserFile } from "./uploads.ts";
+import { type Made, textOf, Uploads, type UserFile } from "./uploads.ts";
 
 const STARTING_FACES = 300000; /* the page opens a larger mesh only if the user requests this */
 const PATIENCE = 700; /* milliseconds until the page shows that it waits for an answer */
@@ -340,7 +340,7 @@ export class App {
   private async upload(files: UserFile[]): Promise<void> {
     this.loads++;
     for (const file of files)
-      if (file.kind === "subdivisions") await rememberCage(await file.body.text().catch(() => ""));
+      if (file.kind === "subdivisions") await rememberCage(await textOf(file));
     const added = this.uploads.add(files);
     this.loads--;
     await added;

@@ -95,7 +95,7 @@ export class Chooser {
   private take(files: File[]): void {
     const chosen = UPLOADS.find(([value]) => value === this.how.value)!;
     const uploads = files.map((file) => {
-      const isMesh = chosen[2] === "nurbs" && !/\.json$/i.test(file.name);
+      const isMesh = chosen[2] === "nurbs" && !/\.json(\.gz)?$/i.test(file.name);
       const [, , kind, query] = isMesh ? UPLOADS[0]! : chosen;
       return { kind, name: file.name, body: file, query };
     });
@@ -121,7 +121,7 @@ export class Chooser {
 
   /** Shows the formats that the daemon reads. */
   showFormats(formats: string[]): void {
-    this.file.accept = formats.map((format) => `.${format}`).join(",");
+    this.file.accept = [...formats, "gz"].map((ending) => `.${ending}`).join(",");
     byId("start-formats").textContent = formats.map((format) => format.toUpperCase()).join(", ");
   }
 

@@ -139,7 +139,7 @@ export class Handles {
     event.stopPropagation();
   }
 
-  /** Moves a point by an arrow key. Near the outline, the step is shorter, to stay on the surface. */
+  /** Moves a point by an arrow key. At the outline, the step is shorter, to stay on the surface. */
   private step(mark: Mark, arrow: Pixel, size: number): void {
     const at = this.scene.project(mark.place.xyz);
     for (let length = size; length >= 1; length /= 2) {

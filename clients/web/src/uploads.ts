@@ -29,9 +29,21 @@ const LONGEST_STEM = 100;
 
 type Choice = "replace" | "keep-both" | "keep";
 
-/** Returns the file's name without its extension and without characters that the API rejects. */
+const isGzip = ({ name }: { name: string }): boolean => /\.gz$/i.test(name);
+
+/** Returns the text of a file. Returns "" if the browser cannot read or decompress the file. */
+export async function textOf({ name, body }: UserFile): Promise<string> {
+  try {
+    const gunzip = new DecompressionStream("gzip");
+    return await new Response(isGzip({ name }) ? body.stream().pipeThrough(gunzip) : body).text();
+  } catch {
+    return "";
+  }
+}
+
+/** Returns the file's name without its extensions and without characters that the API rejects. */
 export function nameOf(file: string): string {
-  const stem = file.replace(/\.[^.]*$/, "").replace(/[^A-Za-z0-9._-]/g, "-");
+  const stem = file.replace(/(\.[^.]*)?(\.gz)?$/i, "").replace(/[^A-Za-z0-9._-]/g, "-");
   return (/^[A-Za-z0-9_-]/.test(stem) ? stem : `mesh${stem}`).slice(0, LONGEST_STEM);
 }
 
@@ -146,7 +158,7 @@ export class Uploads {
       path: surfacePath(kind, name),
       query,
       file: { name: file.name, body: file.body },
-      headers,
+      headers: { ...headers, ...(isGzip(file) && { "Content-Encoding": "gzip" }) },
     };
     try {
       await this.put(request, file.name);
