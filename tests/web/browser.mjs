@@ -32,6 +32,11 @@ export class Browser {
     Object.assign(this, { settings, launched, axe, pages: [] });
   }
 
+  /** False after the browser's process has ended. */
+  get isRunning() {
+    return this.launched.isConnected();
+  }
+
   close() {
     return this.launched.close();
   }

@@ -2,6 +2,7 @@
 // each test in the format that tests/run.py reads.
 
 import { Browser } from "./browser.mjs";
+import { runGroups } from "./groups.mjs";
 import * as answers from "./answers.mjs";
 import * as derive from "./derive.mjs";
 import * as embed from "./embed.mjs";
@@ -17,22 +18,6 @@ import * as uploads from "./uploads.mjs";
 import * as viewer from "./viewer.mjs";
 
 const settings = JSON.parse(process.argv[2]);
-const browser = await Browser.open(settings);
-let failed = 0;
-
-async function run(name, test) {
-  const begun = performance.now();
-  const report = (verdict, more = "") => console.log(`${verdict} ${((performance.now() - begun) / 1000).toFixed(3)} s  web: ${name}${more}`);
-  try {
-    await test(browser);
-    browser.assertQuiet();
-    report("ok");
-  } catch (error) {
-    failed++;
-    report("not ok", `\n${error.stack}`);
-  }
-  await browser.closePages();
-}
 
 const withLong = ({ tests, longTests }) => (settings.all ? { ...tests, ...longTests } : tests);
 
@@ -51,10 +36,19 @@ const groups = {
   docs: docs.tests,
   figures: withLong(figures),
 };
-for (const [group, tests] of Object.entries(groups)) {
-  for (const [name, test] of Object.entries(tests)) {
-    if (settings.only.some((word) => `${group}: ${name}`.includes(word))) await run(`${group}: ${name}`, test);
+const chosen = Object.entries(groups).map(([group, tests]) =>
+  Object.entries(tests)
+    .map(([name, test]) => [`${group}: ${name}`, test])
+    .filter(([name]) => settings.only.some((word) => name.includes(word))),
+);
+
+async function empty() {
+  for (const kind of ["meshes", "subdivisions", "nurbs"]) {
+    const list = (await (await fetch(`${settings.url}/v1/${kind}?limit=1000`)).json())[kind];
+    for (const { name } of list.filter((surface) => surface.name !== settings.large))
+      await fetch(`${settings.url}/v1/${kind}/${name}`, { method: "DELETE" });
   }
 }
-await browser.close();
+
+const failed = await runGroups(chosen, { open: () => Browser.open(settings), empty, say: console.log });
 process.exitCode = failed ? 1 : 0;

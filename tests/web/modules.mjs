@@ -5,6 +5,7 @@ import { execFileSync } from "node:child_process";
 import { createRequire } from "node:module";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
+import { runGroups } from "./groups.mjs";
 
 const SOURCES = path.join(path.dirname(fileURLToPath(import.meta.url)), "../../clients/web/src");
 
@@ -296,6 +297,27 @@ async function maps({ settings }) {
   assert.deepEqual(ends(true), ends(false).reverse());
 }
 
+/** After a crash of the browser, its group runs again, once. A failed test never runs again. */
+async function crashes() {
+  const crash = (browser) => {
+    browser.isRunning = false;
+    throw new Error("closed");
+  };
+  const verdicts = async (...groups) => {
+    const said = [];
+    const open = () => ({ isRunning: true, assertQuiet: () => {}, closePages: () => {}, close: () => {} });
+    const failed = await runGroups(groups, { open, empty: () => {}, say: (line) => said.push(line.match(/^(not ok|ok|#)/)[0]) });
+    return [failed, ...said];
+  };
+  const pass = ["pass", () => {}];
+  const fail = ["fail", () => assert.fail()];
+  let left = 1;
+  const once = ["once", (browser) => left-- > 0 && crash(browser)];
+  assert.deepEqual(await verdicts([pass, once], [pass]), [0, "ok", "#", "ok", "ok", "ok"]);
+  assert.deepEqual(await verdicts([pass, fail, pass]), [1, "ok", "not ok", "ok"]);
+  assert.deepEqual(await verdicts([["always", crash]]), [1, "#", "not ok"]);
+}
+
 export const tests = {
   "sharp edges split normals": creases,
   "lines as files": lineFiles,
@@ -309,4 +331,5 @@ export const tests = {
   "a task gets the newest input": newest,
   "places and their compact form": places,
   "numbers for people": numbers,
+  "a browser that crashes": crashes,
 };
