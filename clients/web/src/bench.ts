@@ -163,11 +163,15 @@ export class Bench {
     return this.parsed(this.direct(this.request(path, { query, json })));
   }
 
-  /** Posts typed arrays and returns the arrays of the answer, in single precision. */
+  /**
+   * Posts typed arrays and returns the arrays of the answer, in single precision if the lengths of
+   * the surface fit.
+   */
   async postArrays(path: string, arrays: Arrays): Promise<Arrays> {
     const file = { name: `${path}.arrays`, body: writeArrays(arrays) };
     const headers = { "Content-Type": "application/octet-stream" };
-    const query = { format: "f32" };
+    const { radius } = this.surface!.frame;
+    const query = { format: radius > 1e-30 && radius < 1e30 ? "f32" : "f64" };
     const { signal } = this;
     const response = await this.direct(this.request(path, { query, file, headers }));
     const answer = readArrays(await received(response.arrayBuffer(), signal));
