@@ -129,6 +129,12 @@ async function files(browser) {
   await page.route(/\/values\?format=csv/, (route) => route.fulfill({ status: 410 }));
   await page.getByRole("button", { name: "Download Field CSV" }).click();
   await page.locator("#notice .error").filter({ hasText: /no longer has this result/ }).waitFor();
+  await Promise.all([
+    page.waitForResponse(/\/fields(\?|$)/),
+    page.getByRole("button", { name: "Try again" }).click(),
+  ]);
+  await settle(page);
+  assert.equal(await page.locator("#notice .error").textContent(), "");
 }
 
 export const tests = {

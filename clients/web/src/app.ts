@@ -111,6 +111,8 @@ export class App {
     addEventListener("focus", () => void this.list(() => {})); /* for changes by other clients */
     this.display = new Display(this);
     this.bench.onMeshes = () => this.list();
+    this.bench.remedies = (error, retry) =>
+      this.remedies(error, retry ?? (() => this.changed(false, false)));
     this.points.onChange = (live) => this.changed(live);
     this.points.onLook = () => this.showHandles();
     this.scene.onFrame = () => this.handles.place();
@@ -163,7 +165,7 @@ export class App {
   }
 
   /** Returns buttons for the next step after an error; `retry` repeats the work. */
-  private remedies(error: unknown, retry: () => Promise<void> | void): Node[] {
+  private remedies(error: unknown, retry: () => unknown): Node[] {
     const { surface } = this.bench;
     if (error instanceof ApiError && error.status === 401)
       byId<HTMLDetailsElement>("access").open = true;
@@ -177,7 +179,7 @@ export class App {
   }
 
   /** Shows an error about surfaces. The answer of the open surface stays valid. */
-  private fail(error: unknown, retry: () => Promise<void> | void): void {
+  private fail(error: unknown, retry: () => unknown): void {
     if (isAbort(error)) return;
     this.troubles.warn(messageOf(error), ...this.remedies(error, retry));
     this.onTrouble(messageOf(error));
@@ -481,7 +483,7 @@ export class App {
     this.mode.clear();
     this.bench.last = undefined;
     this.answer.clear();
-    this.answer.warn(error, ...this.remedies(error, () => this.changed(false, false)));
+    this.answer.warn(error, ...this.bench.remedies(error));
     this.onTrouble(messageOf(error));
     if (error instanceof ApiError && error.status === 404) void this.list(() => {});
   }

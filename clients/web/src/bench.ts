@@ -32,6 +32,8 @@ export class Bench {
   taken: ReadonlySet<string> = new Set();
   /** Called when a mode has created meshes. */
   onMeshes: () => Promise<void> = async () => {};
+  /** Returns buttons for the next step after an error. Without `retry`, they repeat the query. */
+  remedies: (error: unknown, retry?: () => unknown) => Node[] = () => [];
   /** Requests that the query depends on, such as an upload; shown before its own requests. */
   prelude: Request[] = [];
   private requests: Request[] = [];
@@ -57,7 +59,7 @@ export class Bench {
       done = true;
     } catch (error) {
       const cause: unknown = signal.aborted ? signal.reason : error;
-      if (!isAbort(cause)) this.answer.warn(cause);
+      if (!isAbort(cause)) this.answer.warn(cause, ...this.remedies(cause, () => this.question(work)));
     }
     if (this.signal === signal) this.end();
     return done;
@@ -68,7 +70,7 @@ export class Bench {
     try {
       await work();
     } catch (error) {
-      if (!isAbort(error)) this.answer.warn(error);
+      if (!isAbort(error)) this.answer.warn(error, ...this.remedies(error));
     }
   }
 
