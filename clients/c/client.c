@@ -229,6 +229,7 @@ static void set_options(struct gdc_client *client, const struct gdc_request *req
     curl_easy_setopt(curl, CURLOPT_HTTPHEADER, headers);
     if (!client->is_near) curl_easy_setopt(curl, CURLOPT_ACCEPT_ENCODING, "gzip");
     curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
+    curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT, client->timeout_s);
     curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);
     curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, client->timeout_s);
     curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, take);

@@ -63,7 +63,8 @@ void gdc_client_destroy(struct gdc_client *client);
  * says, and does not repeat the request if that is longer than two minutes. Without this header,
  * the pauses grow exponentially. */
 void gdc_client_set_retries(struct gdc_client *client, unsigned retries);
-/* Sets the number of seconds after which a request fails if no byte arrives; the default is 120. */
+/* Sets the number of seconds after which a request fails if the connection is not open or no byte
+ * arrives; the default is 120. */
 void gdc_client_set_timeout(struct gdc_client *client, long seconds);
 
 /* Receives the progress of a job, in [0,1], several times a second. Returns nonzero to cancel the

@@ -278,26 +278,23 @@ export function fromGeometry(geometry) {
 
 /* --- jobs ------------------------------------------------------------------------------------- */
 
-/* Yields the server-sent events of a stream as [name, data]. */
-async function* readEvents(stream) {
-  const decoder = new TextDecoder();
-  let text = "", name = "";
-  for await (const bytes of chunksOf(stream)) {
-    const lines = (text + decoder.decode(bytes, { stream: true })).split("\n");
-    text = lines.pop();
-    for (const line of lines) {
-      if (line.startsWith("event: ")) name = line.slice(7);
-      if (line.startsWith("data: ")) yield [name, line.slice(6)];
-    }
-  }
-}
-
-async function* chunksOf(stream) {
-  const reader = stream.getReader();
+/* Yields the data of the server-sent events of a stream, until it ends or breaks. */
+async function* readEvents(stream, signal) {
+  const reader = stream.getReader(), decoder = new TextDecoder();
+  const read = () =>
+    reader.read().catch((error) => {
+      if (signal?.aborted) throw error;
+      return { done: true };
+    });
+  let text = "";
   try {
-    for (let read = await reader.read(); !read.done; read = await reader.read()) yield read.value;
+    for (let part = await read(); !part.done; part = await read()) {
+      const lines = (text + decoder.decode(part.value, { stream: true })).split("\n");
+      text = lines.pop();
+      for (const line of lines) if (line.startsWith("data: ")) yield line.slice(6);
+    }
   } finally {
-    reader.releaseLock();
+    reader.cancel().catch(() => {}); // closes the connection if the caller does not read to the end
   }
 }
 
@@ -308,9 +305,10 @@ export class Job {
     this.#hear(answer);
   }
 
-  #hear({ state, progress }) {
+  #hear({ state, progress }, onProgress) {
     this.state = state;
     this.progress = progress;
+    onProgress?.(progress);
   }
 
   get isOver() {
@@ -320,11 +318,10 @@ export class Job {
   async wait(onProgress, { signal } = {}) {
     onProgress?.(this.progress);
     while (!this.isOver) {
-      const response = await this.client.call("GET", `/v1/jobs/${this.id}/events`, { signal });
-      for await (const [, data] of readEvents(response.body)) {
-        this.#hear(JSON.parse(data));
-        onProgress?.(this.progress);
-      }
+      const { body } = await this.client.call("GET", `/v1/jobs/${this.id}/events`, { signal });
+      for await (const data of readEvents(body, signal)) this.#hear(JSON.parse(data), onProgress);
+      // The stream may have ended before the job. This request paces the loop.
+      if (!this.isOver) this.#hear(await this.client.job(this.id, { wait: 1, signal }), onProgress);
     }
     return this;
   }

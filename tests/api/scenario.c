@@ -1,5 +1,5 @@
 /* Tests the C client against a daemon: the scenario of all clients, and the client's own
- * functions. Usage: scenario URL SCENARIO.json [busy]. Prints unexpected results; the exit
+ * functions. Usage: scenario URL SCENARIO.json [busy|silent]. Prints unexpected results; the exit
  * status is then 1. */
 #include <jansson.h>
 #include <math.h>
@@ -477,13 +477,23 @@ static void run_busy(struct gdc_client *client)
     gdc_client_destroy(nobody);
 }
 
+/* A client of a host that accepts no connection. */
+static void run_silent(struct gdc_client *client)
+{
+    double distance;
+    gdc_client_set_retries(client, 0);
+    gdc_client_set_timeout(client, 1);
+    EXPECT(gdc_distance(client, "a", gdc_vertex(0), gdc_vertex(1), &distance, NULL) ==
+           GDC_NO_CONNECTION);
+}
+
 int main(int count, char **arguments)
 {
     if (count < 3) return 2;
     setvbuf(stdout, NULL, _IOLBF, 0);
     struct gdc_client *client = gdc_client_create(arguments[1], NULL);
     if (count > 3) {
-        run_busy(client);
+        (strcmp(arguments[3], "busy") == 0 ? run_busy : run_silent)(client);
     } else {
         run_scenario(client, arguments[2]);
         run_queries(client);

@@ -59,7 +59,8 @@ def busy(*answers):
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Busy)
     server.answers, server.seen, server.paths, server.keys, server.codings = list(answers), [], [], [], []
     server.handle_error = lambda *_: None  # ignores clients that have disconnected
-    threading.Thread(target=server.serve_forever, daemon=True).start()
+    # serve_forever looks for the end in this interval of seconds
+    threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True).start()
     try:
         yield server, "http://127.0.0.1:%d" % server.server_address[1]
     finally:

@@ -1,8 +1,10 @@
 """Tests the C client by scenario.c: the scenario and the client's own functions. Also runs the
 examples of all clients."""
+import contextlib
 import os
 import pathlib
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -40,6 +42,14 @@ class CClient(TestCase):
             self.assertEqual(server.paths[-1], "/v1/jobs/j?wait=5")  # half of the timeout
             # the client requests no compression from a daemon on the same machine
             self.assertEqual(set(server.codings), {None})
+
+    def test_the_timeout_includes_the_connection(self):
+        with socket.create_server(("127.0.0.1", 0), backlog=0) as full, contextlib.ExitStack() as others:
+            for _ in range(3):  # the queue is then full, and a further connection stays pending
+                other = others.enter_context(socket.socket())
+                other.setblocking(False)
+                other.connect_ex(full.getsockname())
+            self.run_scenario("http://127.0.0.1:%d" % full.getsockname()[1], "silent")
 
     def test_cmake_finds_the_client(self):
         """Builds a C++ program against the installed client by cmake."""

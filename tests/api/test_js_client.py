@@ -251,6 +251,17 @@ class JavaScriptClient(TestCase):
             self.run_script('await assert.rejects(client.service(), { status: 503, code: "overloaded" });', url)
         self.run_script("await assert.rejects(client.service(), geodesicd.ConnectionFailed);", "http://127.0.0.1:1")
 
+    def test_a_job_is_followed_if_its_stream_breaks(self):
+        running, done = ({"id": "j", "state": state, "progress": 0.5} for state in ("running", "done"))
+        part = (200, {"Content-Length": 999, "Connection": "close"}, b'data: {"state": "running", "progress": 0.25}\n\n')
+        with scenario.busy((202, {}, running), part, (200, {}, running), (200, {}, b""), (200, {}, done)) as (server, url):
+            self.run_script("""
+                const seen = [], job = await client.submit("POST", "/v1/meshes/m/fields", { body: {} });
+                assert.equal((await job.wait((part) => seen.push(part))).state, "done");
+                assert.deepEqual(seen, [0.5, 0.25, 0.5, 0.5]);
+            """, url)
+            self.assertEqual(server.paths[1:], ["/v1/jobs/j/events", "/v1/jobs/j?wait=1"] * 2)
+
     def test_odd_answers_are_errors_of_the_library(self):
         answers = [(200, {"Content-Length": 100, "Connection": "close"}, {}), (200, {}, b"<html>"), (204, {}, b"")]
         for answer, error in zip(answers, ("ConnectionFailed", "GeodesicError", "GeodesicError")):

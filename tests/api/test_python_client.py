@@ -1,5 +1,6 @@
 """Tests the Python client: the scenario, the client's own features, and its behaviour with a busy
 daemon."""
+import gzip
 import itertools
 import os
 import sys
@@ -259,6 +260,23 @@ class Patience(unittest.TestCase):
         with scenario.busy((200, {}, {"id": "b", "state": "done"})) as (server, url), geodesicd.Client(url, timeout=10) as client:
             client.wait_batch("b")
             self.assertEqual(server.paths, ["/v1/batches/b?wait=5"])
+
+    def test_a_job_is_followed_if_its_stream_breaks_or_is_refused(self):
+        running, done = ({"id": "j", "state": state, "progress": 0.5} for state in ("running", "done"))
+        part = (200, {"Content-Length": 999, "Connection": "close"}, b'data: {"state": "running", "progress": 0.25}\n\n')
+        answers = [(202, {}, running), part, (200, {}, running), self.OVERLOADED, (200, {}, running), (0, {}, {}), (200, {}, done)]
+        seen = []
+        with scenario.busy(*answers) as (server, url), geodesicd.Client(url) as client:
+            job = client.submit("POST", "/v1/meshes/m/fields", body={}).wait(seen.append)
+            self.assertEqual(job.state, "done")
+            self.assertEqual(seen, [0.5, 0.25, 0.5, 0.5, 0.5])
+            self.assertEqual(server.paths[1:], ["/v1/jobs/j/events", "/v1/jobs/j?wait=1"] * 3)
+
+    def test_damaged_gzip(self):
+        for body in (b"no gzip", gzip.compress(b"{}")[:-9], gzip.compress(b"{}")[:10] + b"\xff" * 9):
+            with scenario.busy((200, {"Content-Encoding": "gzip"}, body)) as (server, url), geodesicd.Client(url) as client:
+                self.assertRaises(geodesicd.BadAnswer, client.service)
+                self.assertEqual(len(server.seen), 1)
 
     def test_answers_of_proxies(self):
         with scenario.busy((502, {}, b"<html>bad gateway</html>")) as (_, url), geodesicd.Client(url) as client:

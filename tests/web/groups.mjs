@@ -3,8 +3,8 @@
 const MOST_CRASHES = 1; /* of the browser's process, in all groups */
 
 /**
- * Runs the tests of all groups. Returns the number of failed tests. `open` starts a browser. `empty`
- * removes the surfaces that tests have left on the daemon. `say` prints a line.
+ * Runs the tests of all groups. Returns the number of failed tests. `open` starts a browser,
+ * `empty` removes the surfaces that tests have left on the daemon, and `say` prints a line.
  *
  * The first time that the browser's own process ends, all tests of its group run again in a new
  * browser. The page's code runs in other processes: if one of these crashes, the test fails.

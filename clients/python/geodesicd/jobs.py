@@ -5,7 +5,7 @@ import json
 import importlib
 from typing import Any, Callable, Dict, Optional, Union
 
-from .errors import JobCancelled
+from .errors import ConnectionFailed, JobCancelled, Overloaded
 from .transport import Response, Transport
 
 Listener = Callable[[float], None]
@@ -61,13 +61,20 @@ class Job:
 
     def wait(self, progress: Optional[Progress] = None) -> "Job":
         """Waits until the job has ended. Calls `progress` at once, and then at most ten times a
-        second."""
+        second. Opens the stream of progress again if it breaks or is refused."""
         tell = listener(progress)
         if tell:
             tell(self.progress)
         while not self.is_over:
-            for _, data in self._transport.events(f"/v1/jobs/{self.id}/events"):
-                self._hear(json.loads(data))
+            try:
+                for _, data in self._transport.events(f"/v1/jobs/{self.id}/events"):
+                    self._hear(json.loads(data))
+                    if tell:
+                        tell(self.progress)
+            except (ConnectionFailed, Overloaded):
+                pass
+            if not self.is_over:  # this request has retries, and it paces the loop
+                self.refresh(wait=1)
                 if tell:
                     tell(self.progress)
         return self

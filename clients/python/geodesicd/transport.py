@@ -11,6 +11,7 @@ import ssl
 import threading
 import time
 import urllib.parse
+import zlib
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from .errors import BadAnswer, ConnectionFailed, problem_error
@@ -179,7 +180,10 @@ class Transport:
             with self._lock:
                 self._idle.append(connection)
         if answer.headers.get("Content-Encoding") == "gzip":
-            received = gzip.decompress(received)
+            try:
+                received = gzip.decompress(received)
+            except (OSError, EOFError, zlib.error) as error:
+                raise BadAnswer(f"the answer is not gzip, as its header says: {error}") from error
         return Response(answer.status, answer.headers, received)
 
     @staticmethod
