@@ -121,11 +121,17 @@ export function newest(ask, show, fail = console.error) {
 
 /* --- requests --------------------------------------------------------------------------------- */
 
-function pause(ms, signal) {
-  return new Promise((resume, fail) => {
-    const timer = setTimeout(resume, ms);
-    signal?.addEventListener("abort", () => (clearTimeout(timer), fail(signal.reason)), { once: true });
+async function pause(ms, signal) {
+  signal?.throwIfAborted();
+  let timer, end;
+  await new Promise((resume) => {
+    timer = setTimeout(resume, ms);
+    end = resume;
+    signal?.addEventListener("abort", end);
   });
+  clearTimeout(timer);
+  signal?.removeEventListener("abort", end);
+  signal?.throwIfAborted();
 }
 
 /* Returns the milliseconds of Retry-After; undefined without this header. */

@@ -251,6 +251,15 @@ class JavaScriptClient(TestCase):
             self.run_script('await assert.rejects(client.service(), { status: 503, code: "overloaded" });', url)
         self.run_script("await assert.rejects(client.service(), geodesicd.ConnectionFailed);", "http://127.0.0.1:1")
 
+    def test_pauses_leave_no_listeners(self):
+        with scenario.busy(*[(503, {"Retry-After": "0"}, {})] * 3) as (_, url):
+            self.run_script("""
+                const { getEventListeners } = await import("node:events");
+                const { signal } = new AbortController();
+                await client.service({ signal });
+                assert(getEventListeners(signal, "abort").length <= 4); // fetch itself may leave one for each request
+            """, url)
+
     def test_a_job_is_followed_if_its_stream_breaks(self):
         running, done = ({"id": "j", "state": state, "progress": 0.5} for state in ("running", "done"))
         part = (200, {"Content-Length": 999, "Connection": "close"}, b'data: {"state": "running", "progress": 0.25}\n\n')

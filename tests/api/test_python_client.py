@@ -3,6 +3,7 @@ daemon."""
 import gzip
 import itertools
 import os
+import socket
 import sys
 import tempfile
 import threading
@@ -271,6 +272,14 @@ class Patience(unittest.TestCase):
             self.assertEqual(job.state, "done")
             self.assertEqual(seen, [0.5, 0.25, 0.5, 0.5, 0.5])
             self.assertEqual(server.paths[1:], ["/v1/jobs/j/events", "/v1/jobs/j?wait=1"] * 3)
+
+    def test_connections_of_an_earlier_daemon_are_dropped(self):
+        with scenario.busy() as (server, url), geodesicd.Client(url, retries=1) as client:
+            for _ in range(4):
+                idle = client.transport._open()
+                idle.sock.shutdown(socket.SHUT_RDWR)  # as if the daemon had ended since then
+                client.transport._idle.append(idle)
+            self.assertEqual(client.service(), {"version": "1"})
 
     def test_damaged_gzip(self):
         for body in (b"no gzip", gzip.compress(b"{}")[:-9], gzip.compress(b"{}")[:10] + b"\xff" * 9):

@@ -111,6 +111,7 @@ class Transport:
                 may_have_arrived = connection is not None and not repeatable
                 if attempt == self.retries or may_have_arrived or isinstance(error, (TimeoutError, socket.timeout, ssl.SSLCertVerificationError)):
                     raise ConnectionFailed(f"no answer from {self.url}: {error or type(error).__name__}") from error
+                self.close()  # the idle connections may be broken, too
                 self._wait(attempt, None)
                 continue
             retry_after = _seconds(response.headers.get("Retry-After"))

@@ -151,6 +151,7 @@ export class Api {
 
   /** Waits. Returns false if the user ends the wait; throws if the signal is aborted. */
   private async pause(seconds: number, signal?: AbortSignal): Promise<boolean> {
+    signal?.throwIfAborted();
     let end = (): void => {};
     const isOver = new Promise<boolean>((resolve) => {
       setTimeout(() => resolve(true), 1000 * seconds);
