@@ -269,7 +269,8 @@ async function mended(browser) {
 
 /** Two fingers drag two points at the same time. */
 async function fingers(browser) {
-  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`, PHONE);
+  await putSample(browser, "ball", "icosphere", "level=4");
+  const page = await browser.page("/#meshes=ball&mode=pair", PHONE);
   await settle(page);
   const session = await page.context().newCDPSession(page);
   const middle = async (name) => {
@@ -287,6 +288,7 @@ async function fingers(browser) {
     const after = await middle(name);
     assert.ok(Math.hypot(after.x - x, after.y - y - 8) < 4, `${name}: ${x}, ${y} to ${after.x}, ${after.y}`);
   }
+  await browser.ask("DELETE", "/v1/meshes/ball");
 }
 
 const focused = (page) => page.evaluate(() => document.activeElement.getAttribute("aria-label"));
