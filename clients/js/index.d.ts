@@ -110,6 +110,7 @@ export interface CallOptions extends Abortable {
   /** Strings and bytes are sent unchanged, other values as JSON. */
   body?: unknown;
   headers?: Record<string, string>;
+  /** The request runs as a job. The client cancels the job if `signal` is aborted. */
   onProgress?: OnProgress;
   /**
    * false if each request creates something new, as createBatch does, so the client does not repeat

@@ -577,7 +577,7 @@ export class Client {
   }
 
   async call(method, path, { query, body, headers = {}, onProgress, signal, repeatable = true } = {}) {
-    if (onProgress) return (await (await this.submit(method, path, { query, body, headers, signal })).wait(onProgress, { signal })).response({ signal });
+    if (onProgress) return this.#runJob(await this.submit(method, path, { query, body, headers, signal }), onProgress, signal);
     const sent = { ...this.headers, ...headers };
     // On one machine, compressing takes longer than sending the uncompressed bytes.
     if (this.#isNear) sent["Accept-Encoding"] ??= "identity";
@@ -589,6 +589,16 @@ export class Client {
     this.#guardBody(response, signal);
     if (response.status >= 400) throw await problemOf(response);
     return response;
+  }
+
+  /* Cancels the job if the caller aborts the wait, or if `onProgress` throws an error. */
+  async #runJob(job, onProgress, signal) {
+    try {
+      return await (await job.wait(onProgress, { signal })).response({ signal });
+    } catch (error) {
+      if (!(error instanceof GeodesicError)) job.cancel().catch(() => {});
+      throw error;
+    }
   }
 
   /* Makes the methods that read the body throw this library's errors: if the connection fails

@@ -251,6 +251,15 @@ class JavaScriptClient(TestCase):
             self.run_script('await assert.rejects(client.service(), { status: 503, code: "overloaded" });', url)
         self.run_script("await assert.rejects(client.service(), geodesicd.ConnectionFailed);", "http://127.0.0.1:1")
 
+    def test_an_aborted_call_cancels_its_job(self):
+        with scenario.busy((202, {}, {"id": "j", "state": "queued", "progress": 0})) as (server, url):
+            self.run_script("""
+                const control = new AbortController();
+                const call = client.call("POST", "/v1/meshes/m/fields", { onProgress: () => control.abort(), signal: control.signal });
+                await assert.rejects(call, { name: "AbortError" });
+            """, url)
+            self.assertEqual(server.paths[1:], ["/v1/jobs/j"])
+
     def test_pauses_leave_no_listeners(self):
         with scenario.busy(*[(503, {"Retry-After": "0"}, {})] * 3) as (_, url):
             self.run_script("""

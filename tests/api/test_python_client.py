@@ -273,6 +273,14 @@ class Patience(unittest.TestCase):
             self.assertEqual(seen, [0.5, 0.25, 0.5, 0.5, 0.5])
             self.assertEqual(server.paths[1:], ["/v1/jobs/j/events", "/v1/jobs/j?wait=1"] * 3)
 
+    def test_an_interrupted_call_cancels_its_job(self):
+        def interrupt(part):
+            raise KeyboardInterrupt
+
+        with scenario.busy((202, {}, {"id": "j", "state": "queued", "progress": 0})) as (server, url), geodesicd.Client(url) as client:
+            self.assertRaises(KeyboardInterrupt, client.call, "POST", "/v1/meshes/m/fields", progress=interrupt)
+            self.assertEqual(server.paths[1:], ["/v1/jobs/j"])
+
     def test_connections_of_an_earlier_daemon_are_dropped(self):
         with scenario.busy() as (server, url), geodesicd.Client(url, retries=1) as client:
             for _ in range(4):

@@ -1,6 +1,7 @@
 """The client of a daemon, and its resources: meshes, their fields, smooth surfaces, batches."""
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import os
 import pathlib
@@ -367,12 +368,21 @@ class Client:
     def call(self, method: str, path: str, query: Optional[Mapping[str, Any]] = None, body: Any = None,
              headers: Optional[Mapping[str, str]] = None, progress: Optional[Progress] = None, repeatable: bool = True) -> Response:
         """Sends any request. With `progress` the request runs as a job, and the method waits for
-        it. Set repeatable=False for requests that create something new each time. The client then
-        does not repeat the request if the connection fails. The daemon may have executed such a
-        request although the method raises ConnectionFailed."""
+        it. If the wait is interrupted, the method cancels the job. Set repeatable=False for
+        requests that create something new each time. The client then does not repeat the request if
+        the connection fails. The daemon may have executed such a request although the method raises
+        ConnectionFailed."""
         if progress is None or progress is False:
             return self.transport.request(method, path, query, body, headers, repeatable)
-        return self.submit(method, path, query, body, headers).wait(progress).response()
+        job = self.submit(method, path, query, body, headers)
+        try:
+            return job.wait(progress).response()
+        except GeodesicError:
+            raise
+        except BaseException:  # the user interrupts the call, or `progress` raises an exception
+            with contextlib.suppress(GeodesicError):
+                job.cancel()
+            raise
 
     def submit(self, method: str, path: str, query: Optional[Mapping[str, Any]] = None, body: Any = None,
                headers: Optional[Mapping[str, str]] = None) -> Job:
