@@ -29,13 +29,14 @@ const LONGEST_STEM = 100;
 
 type Choice = "replace" | "keep-both" | "keep";
 
-const isGzip = ({ name }: { name: string }): boolean => /\.gz$/i.test(name);
+const isGzip = ({ name }: UserFile): boolean => /\.gz$/i.test(name);
 
 /** Returns the text of a file. Returns "" if the browser cannot read or decompress the file. */
-export async function textOf({ name, body }: UserFile): Promise<string> {
+export async function textOf(file: UserFile): Promise<string> {
   try {
-    const gunzip = new DecompressionStream("gzip");
-    return await new Response(isGzip({ name }) ? body.stream().pipeThrough(gunzip) : body).text();
+    if (!isGzip(file)) return await file.body.text();
+    const text = file.body.stream().pipeThrough(new DecompressionStream("gzip"));
+    return await new Response(text).text();
   } catch {
     return "";
   }
