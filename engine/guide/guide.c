@@ -172,6 +172,7 @@ static enum gd_status relax_vertex(struct gd__guide *guide, uint32_t vertex, str
     if (guide->landmark)
         rest = fmax(LINE_GREED * line,
                     LANDMARKS_GREED * landmark_bound(guide, &guide->from_start, vertex));
+    __builtin_prefetch(&guide->mesh->fan_first[vertex]);
     guide->heap[guide->heap_count] = (struct gd__guide_entry){offer.upper + rest, vertex};
     sift_up(guide, guide->heap_count++);
     return GD_OK;
@@ -231,6 +232,16 @@ GD__PREFETCH guide_prefetch(const struct gd__guide *guide, uint32_t vertex)
     }
 }
 
+/* Prefetches the fan of the vertex that will probably be expanded next. */
+GD__PREFETCH prefetch_expansion(const struct gd__guide *guide, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = guide->mesh;
+    uint32_t first = mesh->fan_first[vertex];
+    __builtin_prefetch(&mesh->fan[first]);
+    __builtin_prefetch(&mesh->fan[first + 4]);
+    __builtin_prefetch(&mesh->beyond[first]);
+}
+
 static enum gd_status expand_vertex(struct gd__guide *guide, uint32_t vertex,
                                     const struct gd_vec3 *from)
 {
@@ -240,6 +251,7 @@ static enum gd_status expand_vertex(struct gd__guide *guide, uint32_t vertex,
     enum gd_status status = GD_OK;
     guide->node[vertex].closed = true;
     guide_prefetch(guide, vertex);
+    if (guide->heap_count) prefetch_expansion(guide, guide->heap[0].vertex);
     for (uint32_t i = first; i < gd__neighbours_end(mesh, vertex) && !status; i++) {
         uint32_t tip = gd__neighbour(mesh, vertex, i);
         struct offer along = {upper + gd_vec3_distance(mesh->position[vertex], mesh->position[tip]),

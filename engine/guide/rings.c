@@ -192,6 +192,7 @@ GD__PREFETCH prefetch_fan(const struct gd_mesh *mesh, uint32_t near, uint32_t fa
 {
     __builtin_prefetch(&mesh->fan_first[far]);
     __builtin_prefetch(&mesh->fan[mesh->fan_first[near]]);
+    __builtin_prefetch(&mesh->fan[mesh->fan_first[near] + 4]);
 }
 
 /* Extends the region by one hop. */
@@ -348,9 +349,13 @@ static enum gd_status add_ring(struct growth *growth)
     struct gd__rings *rings = &growth->guide->rings;
     uint32_t points = 0;
     enum gd_status status = GD_OK;
-    for (uint32_t i = growth->first; i < rings->marked_count && !status; i++)
+    for (uint32_t i = growth->first; i < rings->marked_count && !status; i++) {
+        if (i + AHEAD < rings->marked_count)
+            prefetch_fan(growth->guide->mesh, rings->marked[i + AHEAD / 2],
+                         rings->marked[i + AHEAD]);
         if (rings->hops[rings->marked[i]] != OUT_OF_THE_WAY)
             status = put_vertex(growth, &points, rings->marked[i]);
+    }
     return status ? status : close_ring(growth->guide);
 }
 

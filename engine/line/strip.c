@@ -1,8 +1,11 @@
 #include "line/strip.h"
 
 #include "base/array.h"
+#include "base/prefetch.h"
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
+
+#define AHEAD 8 /* records are prefetched this number of portals ahead */
 
 void gd__strip_free(struct gd__strip *strip)
 {
@@ -129,12 +132,19 @@ static void strip_trim(const struct gd_mesh *mesh, struct gd__strip *strip)
         strip->portals[i].side = strip->portals[i + skip].side;
 }
 
+GD__PREFETCH prefetch_side(const struct gd_mesh *mesh, uint32_t side)
+{
+    __builtin_prefetch(&mesh->side[side]);
+    __builtin_prefetch(&mesh->side_face[side]);
+}
+
 enum gd_status gd__strip_lay(const struct gd_mesh *mesh, struct gd__strip *strip)
 {
     strip_trim(mesh, strip);
     struct gd__portal last = gd__strip_entrance(mesh, strip);
     strip->begin = gd__portal_place(mesh, &last, &strip->from);
     for (uint32_t i = 0; i < strip->count; i++) {
+        if (i + AHEAD < strip->count) prefetch_side(mesh, strip->portals[i + AHEAD].side);
         if (!gd__portal_next(mesh, &last, &strip->portals[i])) return GD_INTERNAL;
         last = strip->portals[i];
     }

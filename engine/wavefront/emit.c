@@ -100,7 +100,7 @@ static void emit_through_face(struct gd__wavefront *front, const struct emitter 
     if (b1 - b0 <= GD_TOL_WIDTH * length) return;
     struct gd__window window = {
         .b0 = b0, .b1 = b1, .x = x, .y = y, .sigma = emitter->sigma, .source = emitter->source};
-    gd__wavefront_offer(front, s->right, &window);
+    gd__wavefront_offer(front, s->right, length, &window);
 }
 
 /* Emits into the directions [from, to] of the fan, 0 <= from <= to. The fan of an interior vertex

@@ -218,7 +218,7 @@ void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
     uint32_t count = list->count, size_class = list->size_class;
     list_forget(front, list);
     prefetch_receivers(front, side);
-    struct gd__receiver at = gd__wavefront_receiver(front, side);
+    struct gd__receiver at = gd__wavefront_receiver(front, side, front->mesh->side[side].length);
     front->counts.sides_propagated++;
     front->status = prune_windows(front, &at, list, &windows, &count);
     bool stores = front->stores_all || list->stores || list->visits > STORE_AFTER;

@@ -29,7 +29,7 @@ static inline __attribute__((always_inline)) void
 seed_side(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
 {
     prefetch_block(&front->work->pool);
-    gd__wavefront_offer(front, side, window);
+    gd__wavefront_offer(front, side, front->mesh->side[side].length, window);
 }
 
 /* Emits a window from a seed through a part of `side`, a side of the seed's face. If the seed lies

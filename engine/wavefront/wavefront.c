@@ -131,6 +131,15 @@ static inline bool keep_wanted(struct gd__wavefront *front, const struct gd__rec
     return children->count && !front->status;
 }
 
+/* Prefetches the records of a side that enters the queue. In a search with a guide, few sides wait,
+ * so prefetching from the queue often begins too late. */
+GD__PREFETCH prefetch_queued(const struct gd__wavefront *front, uint32_t side)
+{
+    __builtin_prefetch(&front->mesh->side[side]);
+    __builtin_prefetch(&front->mesh->origin[side]);
+    __builtin_prefetch(&front->newest[side >> 1]);
+}
+
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to,
                            struct gd__children *children)
 {
@@ -145,13 +154,16 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
         list->distance_drops = to->distance_drops;
     front->status = gd__list_insert(list, &front->work->pool, children,
                                     front->narrowest * to->length, &front->work->scratch);
-    if (!front->status) gd__queue_push(front->queue, to->side, key_of(to, list), &list->bucket);
+    if (front->status) return;
+    if (front->guide) prefetch_queued(front, to->side);
+    gd__queue_push(front->queue, to->side, key_of(to, list), &list->bucket);
 }
 
-static void deliver_one(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
+static void deliver_one(struct gd__wavefront *front, uint32_t side, double length,
+                        const struct gd__window *window)
 {
     struct gd__children *one = &front->work->left;
-    struct gd__receiver to = gd__wavefront_receiver(front, side);
+    struct gd__receiver to = gd__wavefront_receiver(front, side, length);
     front->status = gd__children_open(one, &front->work->pool, 1);
     if (front->status) return;
     gd__windows_put(&one->at, 0, window);
@@ -159,20 +171,19 @@ static void deliver_one(struct gd__wavefront *front, uint32_t side, const struct
     gd__wavefront_deliver(front, &to, one);
 }
 
-void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
+void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side, double length,
                                    const struct gd__window *window)
 {
     if (front->status) return;
     if (!front->takes_all) {
-        deliver_one(front, side, window);
+        deliver_one(front, side, length, window);
         return;
     }
     struct gd__list *list = &front->lists[side];
     /* the list keeps the distance_drops of its oldest window */
     gd__wavefront_note_windows(front, list, side, 1);
-    front->status =
-        gd__list_add_one(list, &front->work->pool, window,
-                         front->narrowest * front->mesh->side[side].length, &front->work->scratch);
+    front->status = gd__list_add_one(list, &front->work->pool, window, front->narrowest * length,
+                                     &front->work->scratch);
     if (!front->status)
         gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);
 }

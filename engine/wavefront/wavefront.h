@@ -212,12 +212,14 @@ struct gd__receiver {
     uint32_t distance_drops;
 };
 
+/* The caller passes the length of the side, because the record of a side that is not in the cache
+ * would be loaded only for it. */
 static inline struct gd__receiver gd__wavefront_receiver(const struct gd__wavefront *front,
-                                                         uint32_t side)
+                                                         uint32_t side, double length)
 {
     uint32_t origin = front->mesh->origin[side], destination = front->mesh->origin[side ^ 1];
     return (struct gd__receiver){side,
-                                 front->mesh->side[side].length,
+                                 length,
                                  front->distance[origin],
                                  front->distance[destination],
                                  gd__wavefront_rest(front, origin),
@@ -241,17 +243,17 @@ static inline void gd__wavefront_note_windows(struct gd__wavefront *front, struc
 
 /* Like gd__wavefront_offer, but also for a list that is not empty, and for wavefronts that do not
  * accept every window. */
-void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
+void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side, double length,
                                    const struct gd__window *window);
 
 /* Offers a side one window. If the wavefront accepts every window, the side's key is the distance
  * in the middle of the window. This key is as good for the order of the queue as a key from the
  * distances of the side's ends. So these distances need not be loaded. */
-static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t side,
+static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t side, double length,
                                        const struct gd__window *window)
 {
     if (!front->takes_all || front->lists[side].count) {
-        gd__wavefront_offer_with_care(front, side, window);
+        gd__wavefront_offer_with_care(front, side, length, window);
         return;
     }
     struct gd__list *list = &front->lists[side];
