@@ -80,6 +80,13 @@ double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const stru
            guide->margin;
 }
 
+double gd__guide_whole(const struct gd__guide *guide, uint32_t vertex)
+{
+    if (!guide->landmark) return 0;
+    return landmark_bound(guide, &guide->from_target, vertex) +
+           landmark_bound(guide, &guide->from_start, vertex);
+}
+
 /* Returns a lower bound of the distance from a vertex to one of the two ends. */
 static double rest_to(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end,
                       const struct gd__landmark_bounds *bounds)

@@ -94,6 +94,10 @@ static inline double gd__guide_lower(struct gd__guide *guide, uint32_t vertex)
  * bound of the distance. */
 double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end);
 
+/* Returns a lower bound, computed from landmarks, of the length of paths between the two ends that
+ * pass a vertex. Without landmarks, returns 0. */
+double gd__guide_whole(const struct gd__guide *guide, uint32_t vertex);
+
 /* Discards the lower bounds that were computed so far. Each bound is computed again when it is used
  * next. Only for the files of this folder. O(vertices touched). */
 void gd__guide_reset_lower(struct gd__guide *guide);

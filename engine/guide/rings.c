@@ -116,15 +116,20 @@ static double longest_edge_at(const struct gd_mesh *mesh, uint32_t vertex)
     return sqrt(longest);
 }
 
-/* Returns true if no path within the bound passes through a face of the vertex. `rest` is a lower
- * bound of the distance from the vertex to the target. No point of these faces is farther from the
+/* Returns true if no path within the bound passes through a face of the vertex. `whole` is a lower
+ * bound of the length of paths that pass the vertex. No point of these faces is farther from the
  * vertex than the length of the longest edge at the vertex. */
+static bool is_too_long(const struct gd__guide *guide, uint32_t vertex, double whole)
+{
+    return whole > guide->rings.bound &&
+           whole > guide->rings.bound + 2 * longest_edge_at(guide->mesh, vertex);
+}
+
+/* The same, if `rest` is a lower bound of the distance from the vertex to the target. */
 static bool is_out_of_the_way(const struct growth *growth, uint32_t vertex, double rest)
 {
     const struct gd__guide *guide = growth->guide;
-    double whole = gd__guide_line(guide, vertex, &growth->from) + rest;
-    return whole > guide->rings.bound &&
-           whole > guide->rings.bound + 2 * longest_edge_at(guide->mesh, vertex);
+    return is_too_long(guide, vertex, gd__guide_line(guide, vertex, &growth->from) + rest);
 }
 
 /* Returns true if the sum of the straight lines to both ends is within the bound. Uses no square
@@ -332,6 +337,10 @@ static enum gd_status put_vertex(struct growth *growth, uint32_t *points, uint32
     struct gd__guide *guide = growth->guide;
     struct gd__rings *rings = &guide->rings;
     struct gd__place p = place_of(guide, vertex);
+    if (is_too_long(guide, vertex, gd__guide_whole(guide, vertex))) {
+        rings->hops[vertex] = OUT_OF_THE_WAY;
+        return GD_OK;
+    }
     float half = longest_half_edge(growth, vertex),
           lower = by_ring(rings, rings->count - 1, p, half);
     if (is_out_of_the_way(growth, vertex, distance_of_bound(guide, lower))) {
@@ -350,6 +359,9 @@ static enum gd_status add_ring(struct growth *growth)
     uint32_t points = 0;
     enum gd_status status = GD_OK;
     for (uint32_t i = growth->first; i < rings->marked_count && !status; i++) {
+        if (i + AHEAD < rings->marked_count && growth->guide->landmark)
+            __builtin_prefetch(growth->guide->landmark +
+                               (size_t)GD__LANDMARKS_MOST * rings->marked[i + AHEAD]);
         if (i + AHEAD < rings->marked_count)
             prefetch_fan(growth->guide->mesh, rings->marked[i + AHEAD / 2],
                          rings->marked[i + AHEAD]);

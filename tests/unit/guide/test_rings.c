@@ -2,7 +2,9 @@
 
 #include <math.h>
 #include "base/tolerance.h"
+#include "gd/landmarks.h"
 #include "mesh/topology.h"
+#include "query/landmarks.h"
 #include "tests/samples/random.h"
 #include "tests/samples/samples.h"
 #include "tests/support/field.h"
@@ -25,7 +27,9 @@ static double inside(const struct scene *scene, const struct gd_field *field, ui
            scene->mesh->unit;
 }
 
-static void open_scene(struct scene *scene, struct gd_mesh *mesh, struct gd_point from,
+/* `landmarks` may be NULL. */
+static void open_scene(struct scene *scene, struct gd_mesh *mesh,
+                       const struct gd_landmarks *landmarks, struct gd_point from,
                        struct gd_point to)
 {
     double upper;
@@ -33,6 +37,7 @@ static void open_scene(struct scene *scene, struct gd_mesh *mesh, struct gd_poin
     scene->of_from = test_field_from(mesh, from);
     scene->of_to = test_field_from(mesh, to);
     scene->distance = test_distance(scene->of_from, &to) / mesh->unit;
+    gd__landmarks_offer(landmarks, mesh, &scene->guide);
     check_ok(gd__guide_aim(&scene->guide, mesh, &from, &to, NULL, &upper), NULL);
 }
 
@@ -62,10 +67,13 @@ static void check_pairs(const char *name, struct gd_polygons *polygons, uint32_t
 {
     struct rng rng = {5};
     struct gd_mesh *mesh = test_mesh(polygons);
+    struct gd_landmarks *landmarks;
     uint32_t drawn = 0, passed = 0;
+    check_ok(gd_landmarks_build(mesh, 6, NULL, &landmarks), NULL);
     for (uint32_t i = 0; i < pairs; i += TEST_IS_SANITIZED ? 4 : 1) {
         struct scene scene;
-        open_scene(&scene, mesh, test_point(mesh, test_random_place(polygons, &rng)),
+        open_scene(&scene, mesh, i % 8 < 4 ? landmarks : NULL,
+                   test_point(mesh, test_random_place(polygons, &rng)),
                    test_point(mesh, test_random_place(polygons, &rng)));
         for (double excess = 0; excess < 0.5; excess += 0.12) {
             double bound = scene.distance * (1 + excess) * (1 + GD_TOL_BOUND) + scene.guide.margin;
@@ -78,6 +86,7 @@ static void check_pairs(const char *name, struct gd_polygons *polygons, uint32_t
     print_message("# %s: rings for %u of %u bounds, %u vertices on ways\n", name, drawn, 5 * pairs,
                   passed);
     assert_true(drawn > 0);
+    gd_landmarks_release(landmarks);
     gd_mesh_release(mesh);
     gd_polygons_free(polygons);
 }
@@ -108,7 +117,7 @@ static struct gd_mesh *open_half_round(struct scene *scene, struct gd_polygons *
 {
     check_ok(sample_icosphere(5, 1, polygons), NULL);
     struct gd_mesh *mesh = test_mesh(polygons);
-    open_scene(scene, mesh, test_point_near(mesh, 0.2, 0.3, 2),
+    open_scene(scene, mesh, NULL, test_point_near(mesh, 0.2, 0.3, 2),
                test_point_near(mesh, 0.3, 0.2, -2));
     return mesh;
 }
