@@ -30,13 +30,6 @@ static bool has_seed_of_another(const struct gd__diagram *diagram, uint32_t edge
     return false;
 }
 
-/* Returns true if a whole block of 256 consecutive pseudo-sources belongs to the member, and the
- * source is one of them. The array of blocks is small, so it stays in the cache. */
-static bool is_in_block(const struct gd__diagram *diagram, uint32_t source, uint32_t member)
-{
-    return source >> 8 < GD__MEMBER_BLOCKS && diagram->members.of_block[source >> 8] == member;
-}
-
 static bool windows_are_mixed(const struct gd__diagram *diagram, uint32_t edge, uint32_t member)
 {
     if (has_seed_of_another(diagram, edge, member)) return true;
@@ -45,8 +38,7 @@ static bool windows_are_mixed(const struct gd__diagram *diagram, uint32_t edge, 
         struct gd__wedges wedges = gd__chunk_wedges(chunk);
         for (uint32_t i = 0; i < chunk->count; i++) {
             uint32_t source = gd__wedge_source(&wedges, i);
-            if (source == GD_NONE || is_in_block(diagram, source, member)) continue;
-            if (member_of(diagram, source) != member) return true;
+            if (source != GD_NONE && member_of(diagram, source) != member) return true;
         }
         at = gd__chunk_previous(chunk);
     }

@@ -3,8 +3,6 @@
 #include "field/voronoi_parts.h"
 #include "mesh/segment.h"
 
-enum { BLOCK = 256 /* pseudo-sources of an entry of of_block */ };
-
 /* The member of each pseudo-source. The caller defines the members of seeds. The path of each
  * vertex is followed back until it meets a pseudo-source with a known member. */
 
@@ -140,27 +138,13 @@ static enum gd_status follow_predecessors(const struct gd_field *field, uint32_t
     return GD_OK;
 }
 
-/* Returns the member of all numbers of a block; GD_NONE if they differ. */
-static uint32_t member_of_block(const uint32_t *of, uint32_t count)
-{
-    uint32_t differ = 0;
-    for (uint32_t i = 1; i < count; i++) differ |= of[i] ^ of[0];
-    return differ ? GD_NONE : of[0];
-}
-
-/* Finds the members of all remaining vertices, and those of blocks. */
+/* Finds the members of all remaining vertices. */
 static enum gd_status find_owners(const struct gd_field *field, struct gd__members *members)
 {
-    uint32_t vertices = field->mesh->vertex_count, sources = vertices + field->seed_count;
     enum gd_status status = GD_OK;
-    for (uint32_t v = 0; v < vertices && !status; v++)
+    for (uint32_t v = 0; v < field->mesh->vertex_count && !status; v++)
         if (field->distance[v] < GD__FAR && members->of[v] == GD_NONE)
             status = follow_predecessors(field, v, members->of);
-    for (uint32_t i = 0; i < GD__MEMBER_BLOCKS; i++) {
-        uint32_t first = i * BLOCK, rest = first < sources ? sources - first : 0;
-        members->of_block[i] =
-            rest ? member_of_block(members->of + first, rest < BLOCK ? rest : BLOCK) : GD_NONE;
-    }
     return status;
 }
 
@@ -194,7 +178,6 @@ enum gd_status gd__members_find(const struct gd_field *field, const uint32_t *me
     struct gd__members members = {0};
     members.of = gd__arena_take(arena, (size_t)vertices + field->seed_count, sizeof *members.of);
     members.nudge = gd__arena_take(arena, field->seed_count, sizeof *members.nudge);
-    members.of_block = gd__arena_take(arena, GD__MEMBER_BLOCKS, sizeof *members.of_block);
     enum gd_status status = arena->status;
     if (!status) status = assign_seeds(field, member_of_seed, members.of + vertices);
     for (uint32_t v = 0; v < vertices && !status; v++) members.of[v] = GD_NONE;

@@ -31,12 +31,7 @@ struct gd__members {
     /* for each member (at most seed_count), less than GD_TOL_TIE * farthest */
     double *nudge;
     double farthest; /* upper bound of the distances on edges */
-    /* GD__MEMBER_BLOCKS entries: for each block of 256 consecutive pseudo-sources, their member if
-       all have the same, otherwise GD_NONE */
-    uint32_t *of_block;
 };
-
-#define GD__MEMBER_BLOCKS 65536 /* a wedge that is not wide holds at most 24 bits of a source */
 
 static inline uint32_t gd__member_of(const struct gd__members *members, uint32_t source)
 {
