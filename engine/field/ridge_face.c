@@ -278,40 +278,7 @@ static enum gd_status add_part(const struct work *work, const struct pair *pair,
 
 /* --- sources that compete --------------------------------------------------------------------- */
 
-enum { CORNERS = 8, BITS = 64 };
-
-/* The corners of a view; the first one is repeated. */
-struct corners {
-    double x[CORNERS], y[CORNERS];
-};
-
-static struct corners corners_of(const struct gd__view *view)
-{
-    struct corners corners;
-    for (int k = 0; k < CORNERS; k++) {
-        struct gd__local at = view->corner[k < view->count ? k : 0];
-        corners.x[k] = at.x;
-        corners.y[k] = at.y;
-    }
-    return corners;
-}
-
-/* Like gd__view_is_beyond, for a view with corners. */
-static bool is_beyond(const struct corners *view, double most, const struct gd__source *other)
-{
-    if (most < other->nearest) return true;
-    if (!other->has_sector) return false;
-    int left = 0, right = 0;
-    for (int k = 0; k < CORNERS; k++) {
-        left |= !(other->left.x * (view->x[k] - other->left_at.x) +
-                      other->left.y * (view->y[k] - other->left_at.y) <
-                  0);
-        right |= !(other->right.x * (view->x[k] - other->right_at.x) +
-                       other->right.y * (view->y[k] - other->right_at.y) <
-                   0);
-    }
-    return !left || !right;
-}
+enum { BITS = 64 /* of a word in a row of rivals */ };
 
 /* Returns the row of a view: a bit for each source, set if the source competes in the view. */
 static uint64_t *rivals_of(const struct work *work, uint32_t i)
@@ -336,14 +303,10 @@ static enum gd_status find_rivals(struct work *work)
                          sizeof *ridges->rivals);
     for (uint32_t i = 0; i < count && !status; i++) {
         const struct gd__view *view = &ridges->scratch.view[i];
-        struct corners corners = corners_of(view);
         uint64_t *row = rivals_of(work, i);
-        for (uint32_t first = 0; first < count; first += BITS) {
-            uint64_t bits = 0;
-            for (uint32_t k = first; k < count && k < first + BITS; k++)
-                bits |= (uint64_t)!is_beyond(&corners, view->most, source_at(work, k)) << k % BITS;
-            row[first / BITS] = bits;
-        }
+        for (uint32_t word = 0; word < work->row; word++) row[word] = 0;
+        for (uint32_t k = 0; k < count; k++)
+            row[k / BITS] |= (uint64_t)!gd__view_is_beyond(view, source_at(work, k)) << k % BITS;
         status = gd__pace_step(&ridges->pace, count / 2);
     }
     return status;
