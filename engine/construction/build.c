@@ -42,11 +42,6 @@ static enum gd_status outcome(const struct gd__construction *work, enum gd_statu
     return work->pace.status;
 }
 
-static uint64_t triangle_count(const struct gd_polygons *polygons)
-{
-    return gd_polygons_corner_count(polygons) - 2 * (uint64_t)polygons->polygon_count;
-}
-
 static void free_scratch(struct gd__construction *work)
 {
     free(work->representative);
@@ -70,7 +65,10 @@ static enum gd_status build(struct gd__construction *work, const struct gd_mesh_
     work->pace.control = work->control;
     if (options) work->options = *options;
     enum gd_status status = outcome(work, gd__validate(work));
-    if (!status) status = gd__afford(work, triangle_count(polygons), polygons->position_count);
+    if (!status)
+        status = gd__afford(
+            work, gd_polygons_corner_count(polygons) - 2 * (uint64_t)polygons->polygon_count,
+            polygons->position_count);
     if (status) return status;
     work->mesh = calloc(1, sizeof *work->mesh);
     if (!work->mesh) return GD_NO_MEMORY;

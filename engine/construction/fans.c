@@ -4,13 +4,6 @@
 #include "base/slices.h"
 #include "construction/steps.h"
 
-/* Returns the next outgoing side counter-clockwise around the vertex. At the end of an open fan,
- * this is the boundary side. */
-static uint32_t next_in_fan(const struct gd_mesh *mesh, uint32_t side)
-{
-    return mesh->side[side].left;
-}
-
 /* Returns the side where the fan of the origin of `side` starts: at the boundary if there is one,
  * otherwise `side` itself. */
 static uint32_t fan_start(const struct gd_mesh *mesh, uint32_t side, struct gd__pace *pace)
@@ -47,7 +40,7 @@ static uint32_t write_fan(struct gd_mesh *mesh, uint32_t start, uint32_t first,
         mesh->fan[entry] = (struct gd_fan){angle, h, gd__side_destination(mesh, h)};
         mesh->beyond[entry++] = corner_beyond(mesh, h);
         angle += atan2(mesh->side[h].left_y, mesh->side[h].left_x);
-        h = next_in_fan(mesh, h);
+        h = mesh->side[h].left; /* at the end of an open fan, this is the boundary side */
     } while (h != start && !gd__side_is_boundary(mesh, h) && gd__pace(pace, 1));
     mesh->total_angle[vertex] = angle;
     mesh->vertex_kind[vertex] = (uint8_t)fans_kind_of(angle, h != start);

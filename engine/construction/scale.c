@@ -91,14 +91,6 @@ static enum gd_status place_vertices(struct gd__construction *work)
     return is_exact ? GD_OK : keep_input_positions(work);
 }
 
-/* No later step reads the positions of the input. */
-static void consume_positions(struct gd__construction *work)
-{
-    if (!work->consumed) return;
-    free(work->consumed->positions);
-    work->consumed->positions = NULL;
-}
-
 enum gd_status gd__scale(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
@@ -125,6 +117,9 @@ enum gd_status gd__scale(struct gd__construction *work)
                        farthest_coordinate(&mesh->summary), GD_EXTENT_RATIO);
     mesh->unit = ldexp(1, exponent + finer);
     status = place_vertices(work);
-    if (!status) consume_positions(work);
+    if (!status && work->consumed) { /* no later step reads the positions of the input */
+        free(work->consumed->positions);
+        work->consumed->positions = NULL;
+    }
     return status;
 }

@@ -90,15 +90,12 @@ static bool cross(const struct triangle *a, const struct triangle *b)
 
 /* --- the search ------------------------------------------------------------------------------- */
 
-static bool are_apart(const struct gd__box *a, const struct gd__box *b)
-{
-    return a->max.x < b->min.x || b->max.x < a->min.x || a->max.y < b->min.y ||
-           b->max.y < a->min.y || a->max.z < b->min.z || b->max.z < a->min.z;
-}
-
 static double box_bound(const struct gd__bvh_search *search, const struct gd__box *box)
 {
-    return are_apart(&((const struct crossing_search *)search)->box, box) ? INFINITY : 0;
+    const struct gd__box *own = &((const struct crossing_search *)search)->box;
+    bool is_apart = own->max.x < box->min.x || box->max.x < own->min.x || own->max.y < box->min.y ||
+                    box->max.y < own->min.y || own->max.z < box->min.z || box->max.z < own->min.z;
+    return is_apart ? INFINITY : 0;
 }
 
 static void visit_face(struct gd__bvh_search *search, uint32_t face)

@@ -43,13 +43,6 @@ static Quadric plane_quadric(const Vec3 &unit_normal, const Vec3 &p, double weig
     return plane;
 }
 
-/* Returns the sum of the weights of the planes in a quadric. It is the trace of the quadric's 3x3
- * part, because each plane's normal has length 1. */
-static double weight_of(const Quadric &q)
-{
-    return q.a() + q.e() + q.h();
-}
-
 /* Returns the quadric of a face's plane, weighted by the face's area; zero for a face without
  * area. */
 static Quadric face_quadric(const EditMesh &mesh, Face face)
@@ -190,7 +183,10 @@ template <class MeshT> class QuadricsT : public OpenMesh::Decimater::ModBaseT<Me
         Quadric sum = table_.quadric(collapse.v0);
         sum += table_.quadric(collapse.v1);
         const double error = std::max(sum(collapse.p1), 0.0);
-        if (error > most_error * weight_of(sum) ||
+        /* the sum of the weights of the quadric's planes is the trace of its 3x3 part, because each
+         * plane's normal has length 1 */
+        const double weight = sum.a() + sum.e() + sum.h();
+        if (error > most_error * weight ||
             table_.valence(collapse.v0) + table_.valence(collapse.v1) > GD_EDIT_VALENCE_MOST + 4 ||
             spoils_a_face(collapse))
             return Base::ILLEGAL_COLLAPSE;

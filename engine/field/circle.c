@@ -279,9 +279,9 @@ static bool encloses_face(const struct gd__circle *circle, const struct gd__face
     return true;
 }
 
-enum gd_status gd__circle_arcs(const struct gd__sources *sources, uint32_t i, double level,
-                               struct gd__spans *covered, struct gd__spans *arcs)
+enum gd_status gd__circle_arcs(struct gd__sources *sources, uint32_t i, double level)
 {
+    struct gd__spans *covered = &sources->covered, *arcs = &sources->spans;
     struct gd__circle circle = gd__circle_of(sources, i, level);
     double slack = gd__envelope_slack(level, sources->frame.size), least = slack / circle.radius;
     covered->count = arcs->count = 0;

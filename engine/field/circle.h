@@ -7,7 +7,6 @@
 #pragma once
 
 #include "field/sources.h"
-#include "field/spans.h"
 
 struct gd__circle {
     bool straight;           /* the circle is a line */
@@ -36,10 +35,8 @@ struct gd__local gd__circle_place(const struct gd__circle *circle, double angle)
  * position's projection onto the line. */
 double gd__circle_angle(const struct gd__circle *circle, struct gd__local at);
 
-/* Computes the spans of source i's circle that lie in the face, that the source sees, and on which
- * no other source is nearer. The distance of their points is the level. The spans are sorted and
- * disjoint; the last may extend beyond pi. `covered` is scratch. Error: GD_NO_MEMORY. O(k log k)
- * for k sources. */
-GD_MUST_USE enum gd_status gd__circle_arcs(const struct gd__sources *sources, uint32_t i,
-                                           double level, struct gd__spans *covered,
-                                           struct gd__spans *arcs);
+/* Sets sources->spans to the spans of source i's circle that lie in the face, that the source sees,
+ * and on which no other source is nearer. The distance of their points is the level. The spans are
+ * sorted and disjoint; the last may extend beyond pi. Error: GD_NO_MEMORY. O(k log k) for k
+ * sources. */
+GD_MUST_USE enum gd_status gd__circle_arcs(struct gd__sources *sources, uint32_t i, double level);

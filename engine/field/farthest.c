@@ -37,7 +37,6 @@ struct search {
     struct candidate *candidate;
     uint32_t candidate_count, candidate_capacity;
     struct gd__sources sources;
-    struct gd__spans covered, spans;
     /* sources of the current face that may exceed the best distance; behind them, those of the
        parts that are being searched */
     uint32_t *rising;
@@ -52,8 +51,6 @@ static void close_search(struct search *search)
 {
     free(search->candidate);
     gd__sources_destroy(&search->sources);
-    free(search->covered.span);
-    free(search->spans.span);
     free(search->rising);
 }
 
@@ -117,9 +114,8 @@ static enum gd_status is_rising(struct search *search, uint32_t i, bool *out)
     *out = source->farthest >=
            search->best - gd__envelope_slack(search->best, search->sources.frame.size);
     if (*out || source->nearest >= search->best) return GD_OK;
-    enum gd_status status =
-        gd__circle_arcs(&search->sources, i, search->best, &search->covered, &search->spans);
-    *out = search->spans.count > 0;
+    enum gd_status status = gd__circle_arcs(&search->sources, i, search->best);
+    *out = search->sources.spans.count > 0;
     return status;
 }
 
@@ -300,11 +296,6 @@ static bool narrow(struct search *search, const struct disc *disc, const struct 
     return !search->pace.status && out->count > 1;
 }
 
-static struct gd__local middle_of(struct gd__local a, struct gd__local b)
-{
-    return (struct gd__local){0.5 * (a.x + b.x), 0.5 * (a.y + b.y)};
-}
-
 /* Returns the disc of a triangle, which is slightly larger than the triangle. */
 static struct disc disc_around(const struct gd__local corner[3])
 {
@@ -326,7 +317,10 @@ static void search_cell(struct search *search, const struct gd__local corner[3],
     struct disc disc = disc_around(corner);
     struct gd__local side[3];
     struct list kept;
-    for (int k = 0; k < 3; k++) side[k] = middle_of(corner[k], corner[(k + 1) % 3]);
+    for (int k = 0; k < 3; k++) {
+        const struct gd__local *a = &corner[k], *b = &corner[(k + 1) % 3];
+        side[k] = (struct gd__local){0.5 * (a->x + b->x), 0.5 * (a->y + b->y)};
+    }
     if (!narrow(search, &disc, list, &kept)) {
         /* nothing to search */
     } else if (kept.count <= FEW || depth == DEPTH_MOST) {

@@ -54,13 +54,6 @@ struct tracer {
     uint32_t line_count, open_count;
 };
 
-static void close_tracer(struct tracer *tracer)
-{
-    gd__arena_free(&tracer->parts.arena);
-    free(tracer->places.at);
-    gd__face_scratch_destroy(&tracer->scratch);
-}
-
 /* --- crossings and chains --------------------------------------------------------------------- */
 
 /* Updates the held bytes and checks the control. During the conversion to the caller's units the
@@ -471,7 +464,9 @@ static enum gd_status trace_level(const struct gd_isoline_index *index, double l
     if (!status) status = gd__pace_step(&tracer.pace, GD__PACE_STEPS);
     if (!status) status = find_lines(&tracer);
     if (!status) status = export_lines(&tracer, level, out);
-    close_tracer(&tracer);
+    gd__arena_free(&tracer.parts.arena);
+    free(tracer.places.at);
+    gd__face_scratch_destroy(&tracer.scratch);
     return status;
 }
 

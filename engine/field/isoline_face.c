@@ -46,8 +46,6 @@ struct work {
 void gd__face_scratch_destroy(struct gd__face_scratch *scratch)
 {
     gd__sources_destroy(&scratch->sources);
-    free(scratch->covered.span);
-    free(scratch->spans.span);
     free(scratch->arc);
     free(scratch->end);
     free(scratch->order);
@@ -123,16 +121,15 @@ static enum gd_status append_arc(struct gd__face_scratch *scratch, struct gd__ar
 static enum gd_status append_arcs(const struct work *work)
 {
     struct gd__face_scratch *scratch = work->scratch;
-    const struct gd__sources *sources = &scratch->sources;
+    struct gd__sources *sources = &scratch->sources;
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < sources->count && !status; i++) {
         struct gd__arc arc = {.circle = gd__circle_of(sources, i, work->level)};
         status = gd__pace_step(work->pace, STEPS_A_SOURCE * sources->count);
-        if (!status)
-            status = gd__circle_arcs(sources, i, work->level, &scratch->covered, &scratch->spans);
-        for (uint32_t k = 0; k < scratch->spans.count && !status; k++) {
-            arc.from = scratch->spans.span[k].from;
-            arc.to = scratch->spans.span[k].to;
+        if (!status) status = gd__circle_arcs(sources, i, work->level);
+        for (uint32_t k = 0; k < sources->spans.count && !status; k++) {
+            arc.from = sources->spans.span[k].from;
+            arc.to = sources->spans.span[k].to;
             if (is_at_level(work, gd__circle_place(&arc.circle, 0.5 * (arc.from + arc.to))))
                 status = append_arc(scratch, arc);
         }

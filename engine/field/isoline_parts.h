@@ -81,7 +81,6 @@ struct gd__places {
 
 struct gd__face_scratch {
     struct gd__sources sources;
-    struct gd__spans covered, spans;
     struct gd__arc *arc;
     struct gd__end *end;
     struct gd__order *order;

@@ -333,7 +333,7 @@ static enum gd_status cover_by_third(const struct work *work, const struct pair 
         gd__branch_lost_to(&pair->branch, &third, slack_against(work, k, pair->number));
     gd__branch_narrow_to_view(work->field, &work->sources->frame, &pair->branch, source_at(work, k),
                               &lost);
-    return gd__spans_put(&work->ridges->scratch.covered, &lost, k);
+    return gd__spans_put(&work->ridges->scratch.sources.covered, &lost, k);
 }
 
 /* Covers the spans where one of the sources that compete in both views is nearer. */
@@ -355,15 +355,13 @@ static enum gd_status cover_by_others(const struct work *work, const struct pair
 
 static enum gd_status add_parts(const struct work *work, const struct pair *pair)
 {
-    struct gd__spans *spans = &work->ridges->scratch.spans,
-                     *covered = &work->ridges->scratch.covered;
+    struct gd__spans *spans = &work->ridges->scratch.sources.spans,
+                     *covered = &work->ridges->scratch.sources.covered;
     struct gd__turn domain =
         gd__branch_domain(work->field, work->sources, &pair->branch, pair->number, pair->beside);
     if (!domain.count) return GD_OK;
-    spans->count = covered->count = 0;
     enum gd_status status = gd__pace_step(&work->ridges->pace, 64);
-    if (!status) status = gd__spans_put(spans, &domain, GD__SPAN_OPEN);
-    if (!status) status = gd__spans_invert(spans, 0, covered);
+    if (!status) status = gd__spans_cover_outside(&domain, covered, spans);
     if (!status) status = cover_by_others(work, pair);
     if (!status) status = gd__spans_invert(covered, GD_TOL_SPAN, spans);
     if (!status) gd__spans_join(spans);

@@ -38,11 +38,6 @@ static int by_element(const void *a, const void *b)
 /* --- marks of elements ------------------------------------------------------------------------ */
 
 /* Marks of vertices, edges and faces, in this order. */
-static size_t marks_size(const struct gd_mesh *mesh)
-{
-    return (size_t)mesh->vertex_count + mesh->edge_count + mesh->face_count;
-}
-
 static size_t mark_of(const struct gd_mesh *mesh, enum gd_point_kind kind, uint32_t element)
 {
     size_t edges = mesh->vertex_count, faces = edges + mesh->edge_count;
@@ -321,7 +316,9 @@ static enum gd_status find_places(struct gd__ridges *ridges, struct places *loos
                                   struct places *near)
 {
     struct gd__arena *arena = &ridges->diagram.arena;
-    bool *marks = gd__arena_zeroed(arena, marks_size(ridges->diagram.mesh), sizeof *marks);
+    const struct gd_mesh *mesh = ridges->diagram.mesh;
+    bool *marks = gd__arena_zeroed(
+        arena, (size_t)mesh->vertex_count + mesh->edge_count + mesh->face_count, sizeof *marks);
     if (!marks) return arena->status;
     enum gd_status status = list_places(ridges, NULL, loose);
     if (!status) mark_gaps(ridges, loose, marks);

@@ -25,8 +25,6 @@ void gd__ridges_close(struct gd__ridges *ridges)
 {
     gd__sources_destroy(&ridges->scratch.sources);
     free(ridges->scratch.view);
-    free(ridges->scratch.covered.span);
-    free(ridges->scratch.spans.span);
     gd__arena_free(&ridges->diagram.arena);
 }
 
@@ -223,18 +221,13 @@ static int by_place(const void *a, const void *b)
     return (x->end > y->end) - (x->end < y->end);
 }
 
-static double apart(const struct gd__ridge_end *a, const struct gd__ridge_end *b)
-{
-    return gd__local_length(gd__local_minus(a->at, b->at));
-}
-
 /* Gives an end the node of an earlier end at the same position, or a new node. */
 static enum gd_status give_node(struct gd__ridges *ridges, uint32_t i)
 {
     const struct gd__ridge_end *end = &ridges->here[i];
     for (uint32_t k = i; k-- > 0 && end->at.x - ridges->here[k].at.x <= end->near;) {
         const struct gd__ridge_end *other = &ridges->here[k];
-        if (apart(end, other) > end->near) continue;
+        if (gd__local_length(gd__local_minus(end->at, other->at)) > end->near) continue;
         *node_of(ridges, end) = *node_of(ridges, other);
         return GD_OK;
     }

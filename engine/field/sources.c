@@ -12,6 +12,8 @@ static enum gd_status append_source(struct gd__sources *sources, const struct gd
 void gd__sources_destroy(struct gd__sources *sources)
 {
     free(sources->source);
+    free(sources->covered.span);
+    free(sources->spans.span);
     *sources = (struct gd__sources){0};
 }
 

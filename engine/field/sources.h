@@ -12,6 +12,7 @@
 #pragma once
 
 #include "field/face_frame.h"
+#include "field/spans.h"
 
 struct gd__source {
     struct gd__local at; /* for a linear source, the frame's origin */
@@ -36,6 +37,9 @@ struct gd__sources {
     struct gd__face_frame frame;
     struct gd__source *source;
     uint32_t count, capacity;
+    /* spans of the circle or branch that is being computed: those where another source is nearer,
+       and the others */
+    struct gd__spans covered, spans;
 };
 
 /* Collects those sources of a face whose `nearest` is below `most`. Error: GD_NO_MEMORY. O(wedges

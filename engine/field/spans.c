@@ -75,6 +75,14 @@ enum gd_status gd__spans_invert(struct gd__spans *covered, double least, struct 
     return status;
 }
 
+enum gd_status gd__spans_cover_outside(const struct gd__turn *turn, struct gd__spans *covered,
+                                       struct gd__spans *scratch)
+{
+    scratch->count = 0;
+    enum gd_status status = gd__spans_put(scratch, turn, GD__SPAN_OPEN);
+    return status ? status : gd__spans_invert(scratch, 0, covered);
+}
+
 void gd__spans_join(struct gd__spans *spans)
 {
     if (spans->count < 2) return;

@@ -60,5 +60,10 @@ GD_MUST_USE enum gd_status gd__spans_put(struct gd__spans *spans, const struct g
 GD_MUST_USE enum gd_status gd__spans_invert(struct gd__spans *covered, double least,
                                             struct gd__spans *out);
 
+/* Sets `covered` to the complement of `turn`. `scratch` is overwritten. Error: GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__spans_cover_outside(const struct gd__turn *turn,
+                                                   struct gd__spans *covered,
+                                                   struct gd__spans *scratch);
+
 /* Joins the first and the last span if they meet at +-pi. The joined span extends beyond pi. */
 void gd__spans_join(struct gd__spans *spans);

@@ -100,8 +100,6 @@ static void close_scratch(struct gd__voronoi_scratch *scratch)
     gd__stack_destroy(&scratch->tail);
     gd__sources_destroy(&scratch->sources);
     free(scratch->view);
-    free(scratch->covered.span);
-    free(scratch->spans.span);
     free(scratch->loose);
     free(scratch->tie);
 }

@@ -18,7 +18,6 @@
 #pragma once
 
 #include "field/sources.h"
-#include "field/spans.h"
 
 /* A source without its sector. */
 struct gd__focus {

@@ -115,15 +115,6 @@ static enum gd_status append_bisector_part(const struct work *work, const struct
 
 /* --- two sources ------------------------------------------------------------------------------ */
 
-/* Initialises the covered spans to everything outside the domain. */
-static enum gd_status cover_outside(const struct work *work, const struct gd__turn *domain)
-{
-    struct gd__spans *spans = &work->scratch->spans;
-    spans->count = work->scratch->covered.count = 0;
-    enum gd_status status = gd__spans_put(spans, domain, GD__SPAN_OPEN);
-    return status ? status : gd__spans_invert(spans, 0, &work->scratch->covered);
-}
-
 static bool is_out_of_reach(const struct work *work, uint32_t i, uint32_t j)
 {
     return gd__view_is_beyond(&work->scratch->view[i], &work->scratch->sources.source[j]);
@@ -160,7 +151,7 @@ static enum gd_status cover_by_others(const struct work *work, const struct gd__
         struct gd__turn lost = gd__branch_lost_to(branch, &focus, slack_against(work, k, i, j));
         gd__branch_narrow_to_view(work->diagram->field, &sources->frame, branch,
                                   &sources->source[k], &lost);
-        status = gd__spans_put(&work->scratch->covered, &lost, k);
+        status = gd__spans_put(&work->scratch->sources.covered, &lost, k);
     }
     return status;
 }
@@ -181,12 +172,13 @@ static enum gd_status append_between(const struct work *work, uint32_t i, uint32
     struct gd__turn domain =
         gd__branch_domain(work->diagram->field, &scratch->sources, &branch, (uint32_t[2]){i, j}, 0);
     if (!domain.count) return GD_OK;
-    enum gd_status status = cover_outside(work, &domain);
+    struct gd__spans *spans = &scratch->sources.spans, *covered = &scratch->sources.covered;
+    enum gd_status status = gd__spans_cover_outside(&domain, covered, spans);
     if (!status) status = cover_by_others(work, &branch, i, j);
-    if (!status) status = gd__spans_invert(&scratch->covered, GD_TOL_SPAN, &scratch->spans);
-    if (!status) gd__spans_join(&scratch->spans);
-    for (uint32_t k = 0; k < scratch->spans.count && !status; k++)
-        status = append_bisector_part(work, &branch, (uint32_t[2]){i, j}, &scratch->spans.span[k]);
+    if (!status) status = gd__spans_invert(covered, GD_TOL_SPAN, spans);
+    if (!status) gd__spans_join(spans);
+    for (uint32_t k = 0; k < spans->count && !status; k++)
+        status = append_bisector_part(work, &branch, (uint32_t[2]){i, j}, &spans->span[k]);
     return status;
 }
 

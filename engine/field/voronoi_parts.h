@@ -132,7 +132,6 @@ struct gd__voronoi_scratch {
     struct gd__stack envelope, tail;
     struct gd__sources sources;
     struct gd__view *view; /* per source */
-    struct gd__spans covered, spans;
     struct gd__loose_end *loose;
     struct gd__close_pair *tie;
     uint32_t view_capacity, loose_count, loose_capacity, tie_count, tie_capacity;

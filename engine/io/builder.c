@@ -289,14 +289,6 @@ bool gd__builder_append(struct gd__builder *builder, const struct gd__builder *p
     return true;
 }
 
-/* Shrinks the arrays to their length. If that fails, the arrays remain valid. `capacity` > 0. */
-static void shrink(struct gd__builder *builder)
-{
-    resize_positions(builder, builder->position_count);
-    resize_corners(builder, builder->corner_count);
-    if (builder->first) resize_first(builder, builder->polygon_count + 1);
-}
-
 enum gd_status gd__builder_finish(struct gd__builder *builder, struct gd_polygons *out)
 {
     if (builder->polygon_count == 0)
@@ -313,7 +305,10 @@ enum gd_status gd__builder_finish(struct gd__builder *builder, struct gd_polygon
         }
         builder->first[builder->polygon_count] = (uint32_t)builder->corner_count;
     }
-    shrink(builder);
+    /* if the arrays can't be shrunk to their length, they remain valid */
+    (void)resize_positions(builder, builder->position_count);
+    (void)resize_corners(builder, builder->corner_count);
+    if (builder->first) (void)resize_first(builder, builder->polygon_count + 1);
     *out = (struct gd_polygons){
         .positions = builder->positions,
         .position_count = (uint32_t)builder->position_count,

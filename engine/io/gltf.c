@@ -319,13 +319,6 @@ static enum gd_status fail_empty(const struct gd__gltf *gltf, const struct gd__g
         (unsigned long long)sum->skipped);
 }
 
-static enum gd_status reserve(struct gd__builder *builder, const struct gd__gltf_sum *sum)
-{
-    uint64_t most = builder->limits.max_vertices;
-    return gd__builder_reserve(builder, sum->vertices < most ? sum->vertices : most,
-                               sum->triangles);
-}
-
 static enum gd_status make_scene(struct gd__gltf *gltf, struct gd__builder *builder,
                                  const struct gd__gltf_sum *sum)
 {
@@ -353,7 +346,9 @@ static enum gd_status read_file(const struct gd__scan *scan, struct gd__builder 
     builder->next_look = gltf.scan.end; /* the conversion checks the control itself */
     if (status == GD_OK) status = gd__gltf_walk(&gltf, gd__gltf_count_mesh, &sum);
     if (status == GD_OK && sum.triangles == 0) status = fail_empty(&gltf, &sum);
-    if (status == GD_OK) status = reserve(builder, &sum);
+    uint64_t most = builder->limits.max_vertices,
+             vertices = sum.vertices < most ? sum.vertices : most;
+    if (status == GD_OK) status = gd__builder_reserve(builder, vertices, sum.triangles);
     if (status == GD_OK) status = make_scene(&gltf, builder, &sum);
     free_document(&gltf);
     builder->scan = scan;

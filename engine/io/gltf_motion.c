@@ -29,13 +29,6 @@ static uint32_t next_key(const struct gd_result *result, uint32_t pose)
     return pose;
 }
 
-static void relative(const struct gd_pose *pose, const double origin[3], float out[3])
-{
-    out[0] = (float)(pose->position.x - origin[0]);
-    out[1] = (float)(pose->position.y - origin[1]);
-    out[2] = (float)(pose->position.z - origin[2]);
-}
-
 /* --- rotations -------------------------------------------------------------------------------- */
 
 /* Computes the quaternion x, y, z, w of the rotation that takes the axes to the pose's vectors, by
@@ -124,8 +117,10 @@ static void add_translations(struct gd__gltf_writing *writing, uint32_t keys)
     const struct gd_result *result = writing->result;
     size_t begin = writing->binary.size;
     for (uint32_t pose = 0, key = 0; pose < result->pose_count; pose++) {
-        float at[3];
-        relative(&result->poses[pose], writing->origin, at);
+        const struct gd_vec3 position = result->poses[pose].position;
+        const float at[3] = {(float)(position.x - writing->origin[0]),
+                             (float)(position.y - writing->origin[1]),
+                             (float)(position.z - writing->origin[2])};
         writing->fits &= isfinite(at[0]) && isfinite(at[1]) && isfinite(at[2]);
         if (pose < key) continue;
         key = next_key(result, pose);

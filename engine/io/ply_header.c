@@ -16,11 +16,6 @@ int gd__ply_size(enum gd__ply_type type)
     return types[type].size;
 }
 
-static bool is_floating(enum gd__ply_type type)
-{
-    return type == GD__PLY_FLOAT || type == GD__PLY_DOUBLE;
-}
-
 /* Reads the next word, which must be a type. */
 static enum gd_status read_type(struct gd__scan *scan, uint8_t *out)
 {
@@ -121,7 +116,8 @@ static enum gd_status read_property(struct gd__scan *scan, struct gd__ply_header
     enum gd_status status = property.list ? read_type(scan, &property.count_type) : GD_OK;
     if (status == GD_OK) status = read_type(scan, &property.type);
     if (status != GD_OK) return status;
-    if (property.list && is_floating(property.count_type)) {
+    if (property.list &&
+        (property.count_type == GD__PLY_FLOAT || property.count_type == GD__PLY_DOUBLE)) {
         return gd__scan_fail(scan, place, GD_SYNTAX, "a list is counted by whole numbers");
     }
     struct gd__word name = gd__scan_word(scan);

@@ -93,16 +93,12 @@ static void write_line_rows(struct gd__output *output, const struct gd_result *r
     }
 }
 
-static const char *header_of(const struct gd_result *result)
-{
-    if (!result->line_count) return "vertex,x,y,z,distance\r\n";
-    return result->levels ? "line,point,x,y,z,along,level\r\n" : "line,point,x,y,z,along\r\n";
-}
-
 static enum gd_status write_csv(struct gd__output *output, const struct gd_result *result)
 {
     if (!result->line_count && !(result->mesh && result->distances)) return GD_INVALID_ARGUMENT;
-    gd__output_text(output, header_of(result));
+    gd__output_text(output, !result->line_count ? "vertex,x,y,z,distance\r\n"
+                            : result->levels    ? "line,point,x,y,z,along,level\r\n"
+                                                : "line,point,x,y,z,along\r\n");
     for (uint32_t line = 0; line < result->line_count; line++)
         write_line_rows(output, result, line);
     for (uint32_t i = 0; !result->line_count && i < result->mesh->position_count; i++) {

@@ -160,12 +160,6 @@ static enum gd_status straighten_relax(struct gd__straightener *s, uint32_t corn
     return status;
 }
 
-static enum gd_status reserve_corners(struct gd__straightener *s)
-{
-    return gd__array_extend(&s->corners, &s->corner_capacity, s->strip.capacity + 1ULL,
-                            sizeof *s->corners, s->control);
-}
-
 static double straighten_length_of(const struct gd__strip *strip, const struct gd__corner *corners,
                                    uint32_t count)
 {
@@ -183,18 +177,13 @@ static enum gd_status straighten_measure(struct gd__straightener *s, uint32_t *c
                                          double *length)
 {
     enum gd_status status = gd__strip_lay(s->mesh, &s->strip);
-    if (!status) status = reserve_corners(s);
+    if (!status)
+        status = gd__array_extend(&s->corners, &s->corner_capacity, s->strip.capacity + 1ULL,
+                                  sizeof *s->corners, s->control);
     if (status) return status;
     *corner_count = gd__strip_corners(&s->strip, s->corners);
     *length = straighten_length_of(&s->strip, s->corners, *corner_count);
     return GD_OK;
-}
-
-static void straighten_swap(struct gd__straightener *s)
-{
-    struct gd__strip strip = s->strip;
-    s->strip = s->other;
-    s->other = strip;
 }
 
 static enum gd_status straighten_check_control(struct gd__straightener *s)
@@ -217,7 +206,9 @@ static enum gd_status tighten(struct gd__straightener *s, double least_gain, uin
         before = length * (1 - least_gain);
         status = straighten_relax(s, *corner_count, &has_moved);
         if (status || !has_moved) break;
-        straighten_swap(s);
+        struct gd__strip moved = s->other;
+        s->other = s->strip;
+        s->strip = moved;
         status = straighten_measure(s, corner_count, &length);
         if (!status) status = straighten_check_control(s);
     }

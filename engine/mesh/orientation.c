@@ -11,18 +11,14 @@ struct search {
     uint32_t end;
 };
 
-static bool run_alike(const struct gd__orientation *o, uint32_t side, uint32_t other)
-{
-    return o->corner[side / 3][side % 3] == o->corner[other / 3][other % 3];
-}
-
 static void visit_neighbours(struct search *search, uint32_t face, bool *contradicted)
 {
     struct gd__orientation *o = search->o;
     for (uint32_t side = 3 * face; side < 3 * face + 3; side++) {
         uint32_t other = o->neighbour[side];
         if (other == GD_NONE) continue;
-        uint8_t wanted = o->flipped[face] ^ (uint8_t)run_alike(o, side, other);
+        bool are_alike = o->corner[side / 3][side % 3] == o->corner[other / 3][other % 3];
+        uint8_t wanted = o->flipped[face] ^ (uint8_t)are_alike;
         if (o->component[other / 3] == GD_NONE) {
             o->component[other / 3] = o->component[face];
             o->flipped[other / 3] = wanted;

@@ -174,15 +174,6 @@ enum gd_status gd_point_in_face(const struct gd_mesh *mesh, struct gd_face face,
     return GD_OK;
 }
 
-/* Computes the position by adding a multiple of the edge vector to one end. So if both ends have
- * the same x, y or z, the position has exactly this coordinate. */
-static inline struct gd_vec3 position_on_edge(const struct gd_mesh *mesh, uint32_t edge, double t)
-{
-    struct gd_vec3 a = gd__vertex_position(mesh, mesh->origin[2 * edge]);
-    return gd_vec3_along(a, t,
-                         gd_vec3_sub(gd__vertex_position(mesh, mesh->origin[2 * edge + 1]), a));
-}
-
 static struct gd_vec3 position_in_face(const struct gd_mesh *mesh, uint32_t face,
                                        const double weight[3])
 {
@@ -196,8 +187,14 @@ static struct gd_vec3 position_in_face(const struct gd_mesh *mesh, uint32_t face
 static inline struct gd_vec3 point_position_of(const struct gd_mesh *mesh,
                                                const struct gd_point *point)
 {
-    if (point->kind == GD_POINT_EDGE)
-        return position_on_edge(mesh, point->element, point->weight[0]);
+    if (point->kind == GD_POINT_EDGE) {
+        /* a multiple of the edge vector is added to one end, so that the position has exactly the
+           x, y or z that both ends share */
+        const uint32_t *ends = &mesh->origin[2 * point->element];
+        struct gd_vec3 a = gd__vertex_position(mesh, ends[0]);
+        return gd_vec3_along(a, point->weight[0],
+                             gd_vec3_sub(gd__vertex_position(mesh, ends[1]), a));
+    }
     return point->kind == GD_POINT_VERTEX ? gd__vertex_position(mesh, point->element)
                                           : position_in_face(mesh, point->element, point->weight);
 }

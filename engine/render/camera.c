@@ -11,11 +11,6 @@
 
 static const struct gd_vec3 x_axis = {1, 0, 0}, y_axis = {0, 1, 0};
 
-static bool is_zero(struct gd_vec3 v)
-{
-    return v.x == 0 && v.y == 0 && v.z == 0;
-}
-
 /* The axes to which the names of views refer. */
 struct frame {
     struct gd_vec3 right, up, front;
@@ -23,7 +18,8 @@ struct frame {
 
 static struct frame frame_of(struct gd_vec3 up)
 {
-    struct frame frame = {.up = is_zero(up) ? y_axis : gd_vec3_unit(up)};
+    bool is_zero = up.x == 0 && up.y == 0 && up.z == 0;
+    struct frame frame = {.up = is_zero ? y_axis : gd_vec3_unit(up)};
     struct gd_vec3 right = gd_vec3_along(x_axis, -gd_vec3_dot(x_axis, frame.up), frame.up);
     if (gd_vec3_length(right) < PARALLEL)
         right = gd_vec3_along(y_axis, -gd_vec3_dot(y_axis, frame.up), frame.up);

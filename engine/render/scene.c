@@ -167,12 +167,6 @@ static enum gd_status file_write(struct scene *scene, void **bytes, size_t *size
     return status;
 }
 
-static void scene_clear(struct scene *scene)
-{
-    gd_polygons_free(&scene->polygons);
-    gd__arena_free(&scene->arena);
-}
-
 enum gd_status gd_picture_glb(const struct gd_picture *picture, const struct gd_control *control,
                               void **bytes, size_t *size)
 {
@@ -187,6 +181,7 @@ enum gd_status gd_picture_glb(const struct gd_picture *picture, const struct gd_
     if (!status) status = isolines_open(&scene);
     if (!status) status = layers_open(&scene);
     if (!status) status = file_write(&scene, bytes, size);
-    scene_clear(&scene);
+    gd_polygons_free(&scene.polygons);
+    gd__arena_free(&scene.arena);
     return status;
 }

@@ -8,17 +8,12 @@
 #include "repair/repair.h"
 #include "mesh/union_find.h"
 
-static bool have_one_position(const struct gd__construction *work, uint32_t a, uint32_t b)
-{
-    const double *p = work->input->positions[a], *q = work->input->positions[b];
-    return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
-}
-
 static void join_ends(struct gd__construction *work, uint32_t a, uint32_t b)
 {
     a = gd__union_find_root(work->representative, a);
     b = gd__union_find_root(work->representative, b);
-    if (a == b || !have_one_position(work, a, b)) return;
+    const double *p = work->input->positions[a], *q = work->input->positions[b];
+    if (a == b || p[0] != q[0] || p[1] != q[1] || p[2] != q[2]) return;
     gd__union_find_join(work->representative, a, b);
     gd_mended_add(&work->mesh->repair->vertices_merged, a < b ? b : a, a < b ? a : b);
 }

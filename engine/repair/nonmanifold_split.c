@@ -73,12 +73,6 @@ static int face_pairing_compare(const void *x, const void *y)
     return a->side < b->side ? -1 : a->side > b->side;
 }
 
-static void face_pairing_join(struct edge_face *a, struct edge_face *b)
-{
-    a->partner = b->side;
-    b->partner = a->side;
-}
-
 /* Visits the faces twice, so that faces that still wait at the end are matched with faces at the
  * beginning. */
 static void match(struct edge_face *edge_face, uint32_t count)
@@ -92,7 +86,8 @@ static void match(struct edge_face *edge_face, uint32_t count)
             s->below = top;
             top = (uint32_t)i;
         } else if (s->forward && top != GD_NONE) {
-            face_pairing_join(s, &edge_face[top]);
+            s->partner = edge_face[top].side;
+            edge_face[top].partner = s->side;
             top = edge_face[top].below;
         }
     }

@@ -100,20 +100,15 @@ static uint32_t lowest_near(const struct cell_table *table, struct gd_vec3 p)
     return lowest;
 }
 
-static void repair_weld_insert(struct cell_table *table, uint32_t vertex, struct gd_vec3 p)
-{
-    uint32_t *head = find_slot(table, cell_at(table, p));
-    table->next[vertex] = *head;
-    *head = vertex;
-}
-
 static void weld_vertex(struct cell_table *table, uint32_t vertex)
 {
     struct gd__construction *work = table->work;
     struct gd_vec3 p = gd__input_position(work, vertex);
     uint32_t near = lowest_near(table, p);
     if (near == GD_NONE) {
-        repair_weld_insert(table, vertex, p);
+        uint32_t *head = find_slot(table, cell_at(table, p));
+        table->next[vertex] = *head;
+        *head = vertex;
         return;
     }
     struct gd_mesh_repair *repair = work->mesh->repair;
@@ -133,12 +128,6 @@ static enum gd_status weld_all(struct cell_table *table, const uint8_t *used)
         if (used[i]) weld_vertex(table, i);
     }
     return pace->status;
-}
-
-static void mark_used(struct gd__construction *work, uint8_t *used)
-{
-    const struct gd_polygons *polygons = work->input;
-    GD__PACED (&work->pace, c, gd_polygons_corner_count(polygons)) used[polygons->corners[c]] = 1;
 }
 
 /* Checks that cell numbers stay in range. */
@@ -173,7 +162,8 @@ enum gd_status gd__weld_vertices(struct gd__construction *work)
     status = GD_NO_MEMORY;
     if (used && table.head && table.next) {
         gd__pace_fill(&work->pace, table.head, slots * sizeof *table.head);
-        mark_used(work, used);
+        GD__PACED (&work->pace, c, gd_polygons_corner_count(work->input))
+            used[work->input->corners[c]] = 1;
         status = weld_all(&table, used);
     }
     free(used);

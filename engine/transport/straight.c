@@ -3,14 +3,6 @@
 #include "base/tolerance.h"
 #include "mesh/axes.h"
 
-/* --- bisect ----------------------------------------------------------------------------------- */
-
-static double bisect(const struct gd_mesh *mesh, uint32_t vertex, double back)
-{
-    double total = mesh->total_angle[vertex], out = back + 0.5 * total;
-    return out < total ? out : out - total;
-}
-
 /* --- normals ---------------------------------------------------------------------------------- */
 
 /* Returns the mean of the faces' normals, weighted by angle; not of unit length. */
@@ -95,7 +87,8 @@ bool gd__straight_on(const struct gd_mesh *mesh, uint32_t vertex, double back,
 {
     if (mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY)
         return at_boundary(mesh->total_angle[vertex], back, out);
-    *out = bisect(mesh, vertex, back);
+    double total = mesh->total_angle[vertex], ahead = back + 0.5 * total;
+    *out = ahead < total ? ahead : ahead - total;
     if (options->vertex_rule == GD_VERTEX_RULE_NORMAL)
         by_normal(mesh, vertex, back,
                   options->normals ? options->normals[mesh->index_of_vertex[vertex]]
