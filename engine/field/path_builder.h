@@ -13,7 +13,7 @@ struct gd__path_builder {
     uint32_t capacity;
     /* fraction of an edge: a crossing within this distance of an end is moved to the end */
     double snap;
-    /* 0 means plain rays; GD_TOL_ASIDE_LEAST or more means careful rays (ray.c) */
+    /* 0 means plain rays; GD_TOL_ASIDE_LEAST or more means careful rays (trace.c) */
     double aside;
     uint32_t vertex; /* the last vertex that the path passed, or GD_NONE if there is none yet */
     double nearest;  /* distance of the point where the current leg began */

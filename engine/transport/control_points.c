@@ -13,11 +13,17 @@
 /* Point paths: searches the shortest paths between the points of a spline, one after the other or,
  * with an executor, two at a time. */
 
+/* A path to be searched, with the straight distance between its ends. */
+struct span {
+    double length;
+    uint32_t point_path;
+};
+
 struct path_search {
     const struct gd_mesh *mesh;
     const struct gd_spline_request *request;
     struct gd__point_path *paths;
-    const uint32_t *order;
+    const struct span *spans; /* in the order of the searches */
     /* workspace of each lane; NULL if each search creates its own workspace */
     struct gd_workspace *workspaces[GD__LANES];
     atomic_size_t held;
@@ -60,7 +66,7 @@ static enum gd_status path_search_make(void *context, uint32_t lane, uint32_t i,
                                        const struct gd_control *control)
 {
     struct path_search *search = context;
-    struct gd__point_path *point_path = &search->paths[search->order[i]];
+    struct gd__point_path *point_path = &search->paths[search->spans[i].point_path];
     struct gd_control own = *control;
     size_t held = atomic_load(&search->held);
     if (point_path->path.count) return GD_OK;
@@ -75,11 +81,6 @@ static enum gd_status path_search_make(void *context, uint32_t lane, uint32_t i,
 
 /* --- all searches ----------------------------------------------------------------------------- */
 
-struct span {
-    double length;
-    uint32_t point_path;
-};
-
 static int by_length(const void *a, const void *b)
 {
     const struct span *s = a, *t = b;
@@ -87,29 +88,20 @@ static int by_length(const void *a, const void *b)
     return (s->point_path > t->point_path) - (s->point_path < t->point_path);
 }
 
-/* Sorts the paths that must be searched, the longest first. If a long search came last, the other
- * lane would be idle. Sets *count to the number of paths. */
-static uint32_t *sort(const struct gd_mesh *mesh, const struct gd_spline_request *request,
-                      const struct gd__point_path *paths, uint32_t *count)
+/* Lists the paths that must be searched, the longest first. If a long search came last, the other
+ * lane would be idle. Returns their number. */
+static uint32_t list_spans(const struct gd_mesh *mesh, const struct gd_spline_request *request,
+                           const struct gd__point_path *paths, uint32_t count, struct span *out)
 {
-    uint32_t *order = malloc(*count * sizeof *order), wanted = 0;
-    struct span *spans = malloc(*count * sizeof *spans);
-    for (uint32_t i = 0; i < *count && order && spans; i++) {
+    uint32_t wanted = 0;
+    for (uint32_t i = 0; i < count; i++) {
         if (paths[i].from == paths[i].to) continue;
         struct gd_vec3 from = gd_point_position(mesh, &request->points[paths[i].from]),
                        to = gd_point_position(mesh, &request->points[paths[i].to]);
-        spans[wanted++] = (struct span){gd_vec3_distance(from, to), i};
+        out[wanted++] = (struct span){gd_vec3_distance(from, to), i};
     }
-    if (order && spans) {
-        qsort(spans, wanted, sizeof *spans, by_length);
-        for (uint32_t i = 0; i < wanted; i++) order[i] = spans[i].point_path;
-        *count = wanted;
-    } else {
-        free(order);
-        order = NULL;
-    }
-    free(spans);
-    return order;
+    qsort(out, wanted, sizeof *out, by_length);
+    return wanted;
 }
 
 static enum gd_status check_joined(const struct gd_mesh *mesh,
@@ -142,17 +134,19 @@ static enum gd_status point_paths_search(const struct gd_mesh *mesh,
 {
     enum gd_status status = check_joined(mesh, request, paths, count, detail);
     if (status) return status;
-    uint32_t *order = sort(mesh, request, paths, &count);
+    struct span *spans = malloc(count * sizeof *spans);
+    if (!spans) return gd_fail_status(detail, GD_NO_MEMORY);
+    count = list_spans(mesh, request, paths, count, spans);
     const struct gd_control control = gd__share_control(share, 0);
-    struct path_search search = {.mesh = mesh, .request = request, .paths = paths, .order = order};
+    struct path_search search = {.mesh = mesh, .request = request, .paths = paths, .spans = spans};
     search.workspaces[0] = search.workspaces[GD__LANE_ALONE] = control.workspace;
     if (control.workspace && request->executor)
         search.workspaces[1] = gd__workspace_partner(control.workspace);
     atomic_init(&search.held, 0);
     const struct gd__lanes lanes = {request->executor, &control, share, count,
                                     path_search_make,  &search};
-    status = order ? gd__lanes_run(&lanes) : GD_NO_MEMORY;
-    free(order);
+    status = gd__lanes_run(&lanes);
+    free(spans);
     return status ? gd_fail_status(detail, status) : GD_OK;
 }
 

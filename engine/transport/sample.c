@@ -1,8 +1,107 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "gd/spline.h"
 #include "line/turn.h"
-#include "transport/sampler.h"
+#include "transport/polygon.h"
+
+/* --- sampler ---------------------------------------------------------------------------------- */
+
+/* Sampler: walks along a spline, leaf by leaf. A leaf is a control polygon that is almost
+ * straight. */
+struct sampler {
+    const struct gd_mesh *mesh;
+    const struct gd_spline *spline;
+    struct gd__straightener straightener;
+    /* progress before the walk, and the walk's part of the whole progress */
+    double progress, share;
+    /* largest distance of a leaf from its chord; if 0, it is a fixed fraction of the length of the
+       segment's polygon */
+    double height;
+    bool is_whole; /* true if each segment is one leaf */
+    /* Called for each leaf in order, with its chord. */
+    enum gd_status (*visit)(struct sampler *sampler, const struct gd__polygon *leaf,
+                            const struct gd__route *chord);
+    void *user;
+    struct gd__route route, line; /* scratch */
+};
+
+/* Largest number of halvings. After far fewer halvings, a length is smaller than rounding
+ * errors. */
+enum { DEPTH = 32 };
+
+/* Flatness of a leaf: its largest distance from its chord, relative to the length of the polygon of
+ * its segment. In a leaf, the point for any parameter is computed by one construction of de
+ * Casteljau, without further halvings. Further halvings would change this point by about the square
+ * of this value, times the surface's curvature. */
+#define HEIGHT_PART 1e-3
+
+static void sampler_free(struct sampler *sampler)
+{
+    gd__straightener_free(&sampler->straightener);
+    gd__route_free(&sampler->route);
+    gd__route_free(&sampler->line);
+}
+
+static enum gd_status sampler_walk(struct sampler *sampler, const struct gd__polygon *polygon,
+                                   double height, int depth);
+
+static enum gd_status halve(struct sampler *sampler, const struct gd__polygon *polygon,
+                            double height, int depth)
+{
+    struct gd__polygon left = {0}, right = {0};
+    double touching;
+    enum gd_status status =
+        gd__polygon_divide(&sampler->straightener, polygon, 0.5, &left, &right, &touching);
+    if (!status) status = sampler_walk(sampler, &left, height, depth + 1);
+    if (!status) status = sampler_walk(sampler, &right, height, depth + 1);
+    gd__polygon_free(&left);
+    gd__polygon_free(&right);
+    return status;
+}
+
+static enum gd_status sampler_walk(struct sampler *sampler, const struct gd__polygon *polygon,
+                                   double height, int depth)
+{
+    struct gd__route chord = {0};
+    const struct gd_spline *spline = sampler->spline;
+    struct gd__straightener *straightener = &sampler->straightener;
+    straightener->progress = sampler->progress + sampler->share * polygon->begin /
+                                                     spline->knots[spline->count].parameter;
+    enum gd_status status = gd_control_check(straightener->control, straightener->progress);
+    if (!status) status = gd__polygon_chord(straightener, polygon, &sampler->route, &chord);
+    if (!status && depth < DEPTH && !sampler->is_whole &&
+        gd__polygon_height(gd__polygon_length(polygon), chord.length) > height)
+        status = halve(sampler, polygon, height, depth);
+    else if (!status)
+        status = sampler->visit(sampler, polygon, &chord);
+    gd__route_free(&chord);
+    return status;
+}
+
+static enum gd_status walk_segment(struct sampler *sampler, const struct gd_spline_segment *segment)
+{
+    struct gd__polygon polygon = {.begin = segment->begin, .end = segment->end};
+    enum gd_status status = GD_OK;
+    for (int k = 0; k < 3 && !status; k++)
+        status = gd__route_join(&polygon.arms[k], segment->arms[k].points, segment->arms[k].count,
+                                segment->arms[k].length / sampler->mesh->unit, false,
+                                sampler->straightener.control);
+    double height =
+        sampler->height > 0 ? sampler->height : HEIGHT_PART * gd__polygon_length(&polygon);
+    if (!status) status = sampler_walk(sampler, &polygon, height, 0);
+    gd__polygon_free(&polygon);
+    return status;
+}
+
+/* Walks the whole spline. Errors: those of the visitor and of gd__straighten. */
+static enum gd_status sampler_walk_all(struct sampler *sampler)
+{
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < sampler->spline->count && !status; i++)
+        status = walk_segment(sampler, &sampler->spline->segments[i]);
+    return status;
+}
 
 /* --- spacing ---------------------------------------------------------------------------------- */
 
@@ -41,7 +140,7 @@ static enum gd_status spacing_add(struct parameters *list, double value,
 
 /* --- equal steps of the parameter ------------------------------------------------------------- */
 
-static enum gd_status find_steps(const struct gd__sampler *sampler, uint32_t per_segment,
+static enum gd_status find_steps(const struct sampler *sampler, uint32_t per_segment,
                                  struct parameters *out, struct gd_detail *detail)
 {
     const struct gd_spline *spline = sampler->spline;
@@ -64,7 +163,7 @@ struct collecting {
     struct gd_detail *detail;
 };
 
-static enum gd_status collect_end(struct gd__sampler *sampler, const struct gd__polygon *leaf,
+static enum gd_status collect_end(struct sampler *sampler, const struct gd__polygon *leaf,
                                   const struct gd__route *chord)
 {
     (void)chord;
@@ -73,7 +172,7 @@ static enum gd_status collect_end(struct gd__sampler *sampler, const struct gd__
                        collecting->detail);
 }
 
-static enum gd_status find_leaves(struct gd__sampler *sampler, struct parameters *out,
+static enum gd_status find_leaves(struct sampler *sampler, struct parameters *out,
                                   struct gd_detail *detail)
 {
     struct collecting collecting = {out, detail};
@@ -82,7 +181,7 @@ static enum gd_status find_leaves(struct gd__sampler *sampler, struct parameters
     if (status) return status;
     sampler->user = &collecting;
     sampler->visit = collect_end;
-    return gd__sampler_walk(sampler);
+    return sampler_walk_all(sampler);
 }
 
 /* --- by arc length ---------------------------------------------------------------------------- */
@@ -102,7 +201,7 @@ struct measuring {
     struct gd_detail *detail;
 };
 
-static enum gd_status measure_leaf(struct gd__sampler *sampler, const struct gd__polygon *leaf,
+static enum gd_status measure_leaf(struct sampler *sampler, const struct gd__polygon *leaf,
                                    const struct gd__route *chord)
 {
     struct measuring *measuring = sampler->user;
@@ -160,13 +259,13 @@ static enum gd_status put_lengths(const struct measuring *measuring, uint32_t co
     return GD_OK;
 }
 
-static enum gd_status find_lengths(struct gd__sampler *sampler, uint32_t count, double spacing,
+static enum gd_status find_lengths(struct sampler *sampler, uint32_t count, double spacing,
                                    struct parameters *out, struct gd_detail *detail)
 {
     struct measuring measuring = {.detail = detail};
     sampler->user = &measuring;
     sampler->visit = measure_leaf;
-    enum gd_status status = gd__sampler_walk(sampler);
+    enum gd_status status = sampler_walk_all(sampler);
     if (!status)
         status = put_lengths(&measuring, count, spacing, out, sampler->straightener.control);
     free(measuring.stretches);
@@ -175,7 +274,7 @@ static enum gd_status find_lengths(struct gd__sampler *sampler, uint32_t count, 
 
 /* --- given parameters ------------------------------------------------------------------------- */
 
-static enum gd_status spacing_copy_given(const struct gd__sampler *sampler,
+static enum gd_status spacing_copy_given(const struct sampler *sampler,
                                          const struct gd_spline_sampling *sampling,
                                          struct parameters *out, struct gd_detail *detail)
 {
@@ -196,8 +295,8 @@ static enum gd_status spacing_copy_given(const struct gd__sampler *sampler,
 
 /* Computes the parameters of a sampling. Sets the sampler's visitor and height, so the caller must
  * set its own visitor afterwards. The caller frees `out` also on failure. Errors: GD_TOO_LARGE, and
- * those of gd__sampler_walk. */
-static enum gd_status spacing_find(struct gd__sampler *sampler,
+ * those of sampler_walk_all. */
+static enum gd_status spacing_find(struct sampler *sampler,
                                    const struct gd_spline_sampling *sampling,
                                    struct parameters *out, struct gd_detail *detail)
 {
@@ -211,7 +310,7 @@ static enum gd_status spacing_find(struct gd__sampler *sampler,
 
 /* A sampling in progress. */
 struct sampling {
-    struct gd__sampler sampler;
+    struct sampler sampler;
     struct parameters parameters;
     struct gd_spline_place *places;
     uint32_t count; /* number of places so far */
@@ -318,7 +417,7 @@ static enum gd_status put_place(struct sampling *s, const struct gd__polygon *le
     return status;
 }
 
-static enum gd_status visit(struct gd__sampler *sampler, const struct gd__polygon *leaf,
+static enum gd_status visit(struct sampler *sampler, const struct gd__polygon *leaf,
                             const struct gd__route *chord)
 {
     struct sampling *s = (struct sampling *)sampler;
@@ -373,7 +472,7 @@ static enum gd_status sample_all(struct sampling *s, const struct gd_spline_samp
     s->sampler.visit = visit;
     s->sampler.progress = 0.5;
     s->sampler.is_whole = sampling->evaluation == GD_SPLINE_DE_CASTELJAU;
-    return gd__sampler_walk(&s->sampler);
+    return sampler_walk_all(&s->sampler);
 }
 
 enum gd_status gd_spline_sample(const struct gd_mesh *mesh,
@@ -396,6 +495,6 @@ enum gd_status gd_spline_sample(const struct gd_mesh *mesh,
     free(s.parameters.values);
     gd__route_free(&s.path);
     gd__route_free(&s.pending);
-    gd__sampler_free(&s.sampler);
+    sampler_free(&s.sampler);
     return status;
 }

@@ -1,10 +1,11 @@
 #include "gd/trace.h"
 
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/arena.h"
 #include "base/tolerance.h"
 #include "mesh/canonical.h"
-#include "transport/meetings.h"
 #include "transport/straight.h"
 #include "transport/surface_ray.h"
 
@@ -83,6 +84,92 @@ static inline struct gd_point *line_last(const struct line *line)
     return &line->points[line->count - 1];
 }
 
+/* --- meetings --------------------------------------------------------------------------------- */
+
+/* A segment, in the frame of its face's side 0. */
+struct segment {
+    struct gd__local from, to;
+    uint32_t before; /* the previous segment in the same face, or GD_NONE if there is none */
+};
+
+/* Detects where a line meets itself. Segments are indexed by face. The vertices that the line passes
+ * are marked separately. */
+struct meetings {
+    const struct gd_mesh *mesh;
+    struct gd__arena arena;
+    uint32_t *newest; /* for each face, its latest segment */
+    bool *is_met;     /* for each vertex, true if the line has passed through it */
+    struct segment *segments;
+    uint32_t count, capacity;
+};
+
+/* Opens the index of a line that begins at `start`. O(faces). */
+static enum gd_status meetings_open(struct meetings *meetings, const struct gd_mesh *mesh,
+                                    const struct gd_point *start, const struct gd_control *control)
+{
+    struct gd__arena *arena = &meetings->arena;
+    meetings->mesh = mesh;
+    arena->budget.control = control;
+    meetings->newest = gd__arena_take(arena, mesh->face_count, sizeof *meetings->newest);
+    meetings->is_met = gd__arena_zeroed(arena, mesh->vertex_count, sizeof *meetings->is_met);
+    if (arena->status) return arena->status;
+    memset(meetings->newest, 0xff,
+           mesh->face_count * sizeof *meetings->newest); /* sets all entries to GD_NONE */
+    if (start->kind == GD_POINT_VERTEX) meetings->is_met[start->element] = true;
+    return GD_OK;
+}
+
+/* For segments on the same line: returns the fraction of `a` at which it first overlaps `b`, or 2
+ * if they do not overlap. */
+static double meet_along(const struct segment *a, const struct segment *b)
+{
+    struct gd__local d = gd__local_minus(a->to, a->from), w = gd__local_minus(b->from, a->from),
+                     e = gd__local_minus(b->to, a->from);
+    double length = gd__local_dot(d, d), touch = GD_TOL_TOUCH * length;
+    if (fabs(gd__local_cross(d, w)) > touch || fabs(gd__local_cross(d, e)) > touch) return 2;
+    double first = fmin(gd__local_dot(d, w), gd__local_dot(d, e)) / length,
+           last = fmax(gd__local_dot(d, w), gd__local_dot(d, e)) / length;
+    if (last <= GD_TOL_TOUCH || first > 1 + GD_TOL_TOUCH) return 2;
+    return fmax(first, GD_TOL_TOUCH);
+}
+
+/* Returns the fraction of `a` at which it meets `b`, or 2 if they do not meet. */
+static double meetings_meet(const struct segment *a, const struct segment *b)
+{
+    struct gd__local d = gd__local_minus(a->to, a->from), e = gd__local_minus(b->to, b->from),
+                     w = gd__local_minus(b->from, a->from);
+    double sine = gd__local_cross(d, e), lengths = sqrt(gd__local_dot(d, d) * gd__local_dot(e, e));
+    if (!(lengths > 0)) return 2;
+    if (fabs(sine) <= GD_TOL_TOUCH * lengths) return meet_along(a, b);
+    double part = gd__local_cross(w, e) / sine, other = gd__local_cross(w, d) / sine;
+    if (part <= GD_TOL_TOUCH || part > 1 + GD_TOL_TOUCH) return 2;
+    return other >= -GD_TOL_TOUCH && other <= 1 + GD_TOL_TOUCH ? part : 2;
+}
+
+/* Adds the line's next segment, which lies in `face`. Sets *part to the fraction of the segment, in
+ * (0, 1], at which it first meets an earlier segment, or to 2 if it meets none. The end of the
+ * previous segment, where this segment begins, does not count. O(segments in the face). */
+static enum gd_status meetings_add(struct meetings *meetings, uint32_t face,
+                                   const struct gd_point *from, const struct gd_point *to,
+                                   double *part)
+{
+    struct segment segment = {gd__point_local(meetings->mesh, face, from),
+                              gd__point_local(meetings->mesh, face, to), meetings->newest[face]};
+    double first = 2;
+    for (uint32_t i = segment.before; i != GD_NONE; i = meetings->segments[i].before)
+        first = fmin(first, meetings_meet(&segment, &meetings->segments[i]));
+    if (to->kind == GD_POINT_VERTEX) {
+        if (meetings->is_met[to->element]) first = fmin(first, 1);
+        meetings->is_met[to->element] = true;
+    }
+    meetings->newest[face] = meetings->count;
+    *part = first > 1 && first < 2 ? 1 : first;
+    return gd__arena_append(&meetings->arena, &meetings->segments, &meetings->count,
+                            &meetings->capacity, &segment, sizeof segment);
+}
+
+/* --- halts ------------------------------------------------------------------------------------ */
+
 /* A trace alternates between rays and halts. A ray runs straight from face to face; its side
  * determines the current face. A halt is a vertex, a position on the boundary, or the end of the
  * trace. At a halt, the direction of arrival is stored as a turn (line/turn.h). */
@@ -108,8 +195,8 @@ struct tracer {
     /* at all halts except HALT_NONE and HALT_BORDER, the turn of the direction from the last point
        back along the line */
     double back;
-    struct gd__meetings *meetings; /* NULL if not requested */
-    struct gd_direction ahead;     /* direction at the start */
+    struct meetings meetings;  /* all zero if not requested */
+    struct gd_direction ahead; /* direction at the start */
 };
 
 /* --- one face --------------------------------------------------------------------------------- */
@@ -128,7 +215,7 @@ static enum halt transport_trace_meet(struct tracer *tracer, uint32_t face, doub
     struct line *line = &tracer->line;
     struct gd_point *from = line_last(line) - 1, *to = from + 1;
     double part = 2, a[3], b[3], at[3];
-    line->status = gd__meetings_add(tracer->meetings, face, from, to, &part);
+    line->status = meetings_add(&tracer->meetings, face, from, to, &part);
     if (line->status || part > 1) return line->status ? HALT_LIMIT : halt;
     gd__point_weights(mesh, from, face, a);
     gd__point_weights(mesh, to, face, b);
@@ -147,7 +234,7 @@ static inline enum halt transport_trace_append(struct tracer *tracer, struct gd_
                                                uint32_t face, double run, enum halt halt)
 {
     if (!line_append(&tracer->line, &point, run)) return HALT_LIMIT;
-    return tracer->meetings ? transport_trace_meet(tracer, face, run, halt) : halt;
+    return tracer->meetings.mesh ? transport_trace_meet(tracer, face, run, halt) : halt;
 }
 
 /* Returns the point of the side's face at a position in the side's frame. If an edge or a vertex is
@@ -238,7 +325,7 @@ static inline enum halt transport_trace_pass(struct tracer *tracer, const struct
         return end_in_face(tracer, ray, end_snap);
     struct gd_point point = gd__point_within_side(walk->side, walk->t / passage->edge);
     return transport_trace_append(
-        tracer, point, tracer->meetings ? tracer->mesh->side_face[walk->side ^ 1] : GD_NONE,
+        tracer, point, tracer->meetings.mesh ? tracer->mesh->side_face[walk->side ^ 1] : GD_NONE,
         passage->run, HALT_NONE);
 }
 
@@ -414,7 +501,7 @@ static enum gd_status open(struct tracer *tracer, const struct gd_trace_request 
     tracer->halt = HALT_END;
     if (!line_append(&tracer->line, start, 0)) status = tracer->line.status;
     if (!status && tracer->options->stop_at_self_intersection)
-        status = gd__meetings_create(tracer->mesh, start, tracer->line.control, &tracer->meetings);
+        status = meetings_open(&tracer->meetings, tracer->mesh, start, tracer->line.control);
     if (status) return gd_fail_status(detail, status);
     if (length > 0)
         tracer->halt = depart(tracer, gd__turn_of_angle(tracer->mesh, start, tracer->ahead.angle));
@@ -437,7 +524,7 @@ enum gd_status gd_trace_follow(const struct gd_mesh *mesh, const struct gd_trace
     else
         transport_trace_finish(&tracer, out);
     if (!status && !(request->length > 0)) out->direction = tracer.ahead;
-    gd__meetings_destroy(tracer.meetings);
+    gd__arena_free(&tracer.meetings.arena);
     return status;
 }
 
