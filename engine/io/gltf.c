@@ -3,7 +3,6 @@
 #include "io/gltf.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "io/endian.h"
@@ -189,15 +188,15 @@ static enum gd_status check_version(const struct gd__gltf *gltf)
                          "the file needs another version than version 2.0 of glTF: convert it");
 }
 
-static enum gd_status read_list(const struct gd__gltf *gltf, struct gd__gltf_list *list)
+static enum gd_status read_list(struct gd__gltf *gltf, struct gd__gltf_list *list)
 {
     uint32_t first, end;
     enum gd_status status = gd__gltf_items(gltf, 0, list->name, &first, &end);
     size_t count = 0;
     for (uint32_t item = first; item < end; item = gd__json_next(&gltf->json, item)) count++;
     if (status != GD_OK || count == 0) return status;
-    list->values = malloc(count * sizeof *list->values);
-    if (!list->values) return gd_fail_status(gltf->scan.detail, GD_NO_MEMORY);
+    list->values = gd__arena_take(&gltf->arena, count, sizeof *list->values);
+    if (!list->values) return gd_fail_status(gltf->scan.detail, gltf->arena.status);
     for (uint32_t item = first; item < end; item = gd__json_next(&gltf->json, item))
         list->values[list->count++] = item;
     return GD_OK;
@@ -215,17 +214,14 @@ static enum gd_status read_lists(struct gd__gltf *gltf)
         status = gd__gltf_fail(gltf, 0, GD_UNSUPPORTED, "the file has more than %d buffers",
                                GD__GLTF_BUFFERS);
     if (status != GD_OK) return status;
-    gltf->loaded = calloc(gltf->buffers.count + (size_t)1, sizeof *gltf->loaded);
-    return gltf->loaded ? GD_OK : gd_fail_status(gltf->scan.detail, GD_NO_MEMORY);
+    gltf->loaded = gd__arena_zeroed(&gltf->arena, gltf->buffers.count, sizeof *gltf->loaded);
+    return gltf->loaded ? GD_OK : gd_fail_status(gltf->scan.detail, gltf->arena.status);
 }
 
 static void free_document(struct gd__gltf *gltf)
 {
-    gd__gltf_buffers_free(gltf);
-#define FREE_LIST(member, text) free(gltf->member.values);
-    GD__GLTF_LISTS(FREE_LIST)
-#undef FREE_LIST
     gd__json_free(&gltf->json);
+    gd__arena_free(&gltf->arena);
 }
 
 /* Reads the document from the scan's cursor to its end. */
@@ -327,11 +323,10 @@ static enum gd_status make_scene(struct gd__gltf *gltf, struct gd__builder *buil
         .builder = builder,
         .accessor = GD__NO_VALUE,
         .weld = gd__weld_begin(builder),
-        .vertices = malloc((sum->largest + (size_t)1) * sizeof *making.vertices),
+        .vertices = gd__arena_take(&gltf->arena, sum->largest, sizeof *making.vertices),
         .all = 2 * sum->primitives + sum->vertices + 3 * sum->triangles};
     enum gd_status status = making.vertices ? gd__gltf_walk(gltf, gd__gltf_make_mesh, &making)
-                                            : gd_fail_status(gltf->scan.detail, GD_NO_MEMORY);
-    free(making.vertices);
+                                            : gd_fail_status(gltf->scan.detail, gltf->arena.status);
     gd__weld_free(&making.weld);
     return status;
 }

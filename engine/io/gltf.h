@@ -7,6 +7,7 @@
  * found. */
 #pragma once
 
+#include "base/arena.h"
 #include "io/builder.h"
 #include "io/json_tree.h"
 #include "io/place.h"
@@ -17,7 +18,7 @@
 /* A top-level list of the document: the JSON values of its items. */
 struct gd__gltf_list {
     const char *name;
-    uint32_t *values; /* owned */
+    uint32_t *values;
     uint32_t count;
 };
 
@@ -37,20 +38,17 @@ struct gd__gltf_bytes {
     size_t size;
 };
 
-struct gd__gltf_buffer {
-    struct gd__gltf_bytes bytes; /* bytes.at is NULL until the buffer is loaded */
-    char *decoded;               /* owned, or NULL */
-};
-
 struct gd__gltf {
     struct gd__scan scan; /* the cursor stays at the beginning of the document */
     const struct gd_control *control;
+    struct gd__arena arena; /* the arrays of this struct, and decoded buffers */
     struct gd__json json;
 #define GD__GLTF_LIST(member, text) struct gd__gltf_list member;
     GD__GLTF_LISTS(GD__GLTF_LIST)
 #undef GD__GLTF_LIST
-    struct gd__gltf_bytes binary;   /* the BIN chunk of a GLB; binary.at is NULL if there is none */
-    struct gd__gltf_buffer *loaded; /* owned; buffers.count items */
+    struct gd__gltf_bytes binary; /* the BIN chunk of a GLB; binary.at is NULL if there is none */
+    /* for each buffer; `at` is NULL until the buffer is loaded */
+    struct gd__gltf_bytes *loaded;
 };
 
 /* --- gltf.c ----------------------------------------------------------------------------------- */
@@ -121,8 +119,6 @@ GD_MUST_USE enum gd_status gd__gltf_accessor_open(struct gd__gltf *gltf, uint32_
 GD_MUST_USE enum gd_status gd__gltf_accessor_next(struct gd__gltf_accessor *accessor,
                                                   double out[3]);
 
-void gd__gltf_buffers_free(struct gd__gltf *gltf);
-
 /* --- gltf_nodes.c ----------------------------------------------------------------------------- */
 
 /* Called for each mesh of the scene. `user` is the last argument of gd__gltf_walk. */
@@ -156,7 +152,7 @@ struct gd__gltf_making {
     struct gd__gltf *gltf;
     struct gd__builder *builder;
     struct gd__weld weld;
-    /* owned; sum.largest items: for each vertex of `accessor`, its number in the builder */
+    /* sum.largest items: for each vertex of `accessor`, its number in the builder */
     uint32_t *vertices;
     uint32_t accessor;      /* the accessor to which `vertices` belongs */
     struct gd__place place; /* the placement of these vertices */

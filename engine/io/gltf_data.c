@@ -3,7 +3,6 @@
 #include "io/gltf.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "io/base64.h"
@@ -41,29 +40,26 @@ static enum gd_status encoded_part(const struct gd__gltf *gltf, uint32_t uri,
     return GD_OK;
 }
 
-static enum gd_status decode_uri(struct gd__gltf *gltf, uint32_t uri, struct gd__gltf_buffer *out)
+static enum gd_status decode_uri(struct gd__gltf *gltf, uint32_t uri, struct gd__gltf_bytes *out)
 {
     struct gd__gltf_bytes encoded = {0};
     if (!gd__json_is(&gltf->json, uri, '"'))
         return gd__gltf_fail(gltf, uri, GD_SYNTAX, "'uri' is not a string");
     enum gd_status status = encoded_part(gltf, uri, &encoded);
     if (status != GD_OK) return status;
-    char *decoded = malloc(gd__base64_bytes(encoded.size));
-    if (!decoded) return gd_fail_status(gltf->scan.detail, GD_NO_MEMORY);
+    char *decoded = gd__arena_take(&gltf->arena, gd__base64_bytes(encoded.size), 1);
+    if (!decoded) return gd_fail_status(gltf->scan.detail, gltf->arena.status);
     size_t size;
-    if (!gd__base64_read(encoded.at, encoded.size, decoded, &size)) {
-        free(decoded);
+    if (!gd__base64_read(encoded.at, encoded.size, decoded, &size))
         return gd__gltf_fail(gltf, uri, GD_SYNTAX,
                              "the data: URI contains a character that base64 does not allow");
-    }
-    *out = (struct gd__gltf_buffer){.bytes = {decoded, size}, .decoded = decoded};
+    *out = (struct gd__gltf_bytes){decoded, size};
     return GD_OK;
 }
 
 /* Finds the bytes of a buffer. The first buffer of a GLB is its binary chunk, unless it has a
  * URI. */
-static enum gd_status find_bytes(struct gd__gltf *gltf, uint32_t number,
-                                 struct gd__gltf_buffer *out)
+static enum gd_status find_bytes(struct gd__gltf *gltf, uint32_t number, struct gd__gltf_bytes *out)
 {
     uint32_t buffer = gltf->buffers.values[number],
              uri = gd__json_member(&gltf->json, buffer, "uri");
@@ -72,34 +68,26 @@ static enum gd_status find_bytes(struct gd__gltf *gltf, uint32_t number,
         return gd__gltf_fail(gltf, buffer, GD_UNSUPPORTED,
                              "the buffer has no bytes; add a data: URI, or put the bytes into the "
                              "binary chunk of a GLB");
-    *out = (struct gd__gltf_buffer){.bytes = gltf->binary};
+    *out = gltf->binary;
     return GD_OK;
 }
 
 static enum gd_status load_buffer(struct gd__gltf *gltf, uint32_t number,
                                   struct gd__gltf_bytes *out)
 {
-    struct gd__gltf_buffer *loaded = &gltf->loaded[number];
+    struct gd__gltf_bytes *loaded = &gltf->loaded[number];
     uint32_t buffer = gltf->buffers.values[number];
     uint64_t size = 0;
-    enum gd_status status = loaded->bytes.at ? GD_OK : find_bytes(gltf, number, loaded);
+    enum gd_status status = loaded->at ? GD_OK : find_bytes(gltf, number, loaded);
     if (status == GD_OK)
         status = gd__gltf_whole(gltf, buffer, "byteLength", LARGEST_WHOLE, LARGEST_WHOLE, &size);
     if (status != GD_OK) return status;
-    if (size > loaded->bytes.size)
+    if (size > loaded->size)
         return gd__gltf_fail(gltf, buffer, GD_TRUNCATED,
                              "the buffer's 'byteLength' is %llu, but the buffer has only %zu bytes",
-                             (unsigned long long)size, loaded->bytes.size);
-    *out = (struct gd__gltf_bytes){loaded->bytes.at, (size_t)size};
+                             (unsigned long long)size, loaded->size);
+    *out = (struct gd__gltf_bytes){loaded->at, (size_t)size};
     return GD_OK;
-}
-
-void gd__gltf_buffers_free(struct gd__gltf *gltf)
-{
-    for (uint32_t i = 0; gltf->loaded && i < gltf->buffers.count; i++)
-        free(gltf->loaded[i].decoded);
-    free(gltf->loaded);
-    gltf->loaded = NULL;
 }
 
 /* --- views ------------------------------------------------------------------------------------ */
