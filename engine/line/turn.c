@@ -1,6 +1,7 @@
 #include "line/turn.h"
 
 #include "field/face_frame.h"
+#include "mesh/segment.h"
 
 static uint32_t number_in_face(const struct gd_mesh *mesh, uint32_t side)
 {
@@ -129,6 +130,54 @@ double gd__turn_in_face(const struct gd_mesh *mesh, const struct gd_point *point
                 gd__turn_nearest(angle, corner_angle(mesh, own));
     if (point->kind == GD_POINT_EDGE && own & 1) angle += M_PI;
     return gd__turn_reduce(mesh, point, angle);
+}
+
+static bool is_in_face_of(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *point)
+{
+    uint32_t face = mesh->side_face[side];
+    return face != GD_NONE && gd__face_contains(mesh, face, point);
+}
+
+/* Returns a side of a face that contains both points; GD_NONE if there is none. */
+static uint32_t common_side(const struct gd_mesh *mesh, const struct gd_point *at,
+                            const struct gd_point *to)
+{
+    uint32_t side = 2 * at->element;
+    switch (at->kind) {
+    case GD_POINT_VERTEX:
+        for (uint32_t i = mesh->fan_first[at->element]; i < mesh->fan_first[at->element + 1]; i++)
+            if (is_in_face_of(mesh, mesh->fan[i].side, to)) return mesh->fan[i].side;
+        return GD_NONE;
+    case GD_POINT_EDGE:
+        if (!is_in_face_of(mesh, side, to)) side++;
+        break;
+    case GD_POINT_FACE:
+        side = mesh->face_side[at->element][0];
+        break;
+    }
+    return is_in_face_of(mesh, side, to) ? side : GD_NONE;
+}
+
+/* Returns the turn of the direction to a point. Computes the direction from differences of weights,
+ * because these are precise for short vectors. Returns NaN if the points have no common face. */
+static double turn_towards(const struct gd_mesh *mesh, const struct gd_point *at,
+                           const struct gd_point *to)
+{
+    uint32_t side = common_side(mesh, at, to);
+    double from[3], there[3];
+    if (side == GD_NONE) return NAN;
+    gd__point_weights(mesh, at, mesh->side_face[side], from);
+    gd__point_weights(mesh, to, mesh->side_face[side], there);
+    struct gd__local d = gd__leg_key_in_face(mesh, mesh->side_face[side],
+                                             (int)number_in_face(mesh, side), from, there);
+    return gd__turn_in_face(mesh, at, side, d.x, d.y);
+}
+
+double gd__turn_between(const struct gd_mesh *mesh, const struct gd_point *at,
+                        const struct gd_point *a, const struct gd_point *b)
+{
+    double apart = fabs(turn_towards(mesh, at, a) - turn_towards(mesh, at, b));
+    return is_boundary_vertex(mesh, at) ? apart : fabs(remainder(apart, gd__turn_total(mesh, at)));
 }
 
 /* --- rays ------------------------------------------------------------------------------------- */

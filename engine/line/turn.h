@@ -43,6 +43,14 @@ struct gd_direction gd__turn_direction(const struct gd_mesh *mesh, const struct 
 double gd__turn_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t side,
                         double x, double y);
 
+/* Returns the angle at `at` between the directions to two other points. Each of these must have a
+ * common face with `at`. The angle is measured on the surface. At an interior point, the two
+ * directions form two angles. The result is the smaller one, which is at most half of the total
+ * angle. At a boundary vertex, only one of the two angles is on the surface, and it can be as large
+ * as the total angle. Returns NaN if there is no common face. O(1); O(faces) at a vertex. */
+double gd__turn_between(const struct gd_mesh *mesh, const struct gd_point *at,
+                        const struct gd_point *a, const struct gd_point *b);
+
 /* A ray in the face into which a turn leads. `side` is a side of this face. The ray begins at (x,
  * y) in the frame of `side`. If the ray begins at a vertex, the side begins at this vertex. If the
  * ray begins on an edge, the side is one of the edge's two sides. */

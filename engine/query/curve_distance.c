@@ -4,8 +4,8 @@
 
 #include "field/profile.h"
 #include "line/route.h"
+#include "line/turn.h"
 #include "mesh/canonical.h"
-#include "mesh/tangent_angle.h"
 
 /* Two points count as the same if their distance is below this, relative to the size of a face. */
 #define MEETING (8 * GD_TOL_PLACE)
@@ -85,7 +85,7 @@ static void curve_distance_compare(const struct gd_mesh *mesh, const struct gd_p
                                    double *least)
 {
     if (gd_point_equal(at, to)) return;
-    double angle = gd__tangent_angle(mesh, at, next, to);
+    double angle = gd__turn_between(mesh, at, next, to);
     if (!(angle >= *least)) *least = angle;
 }
 

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "mesh/tangent_angle.h"
+#include "line/turn.h"
 #include "tests/samples/samples.h"
 
 static struct gd_point at(const struct gd_mesh *mesh, double x, double y, double z)
@@ -30,13 +30,13 @@ static void in_the_plane(void **state)
             double a = rng_between(&rng, -M_PI, M_PI), b = rng_between(&rng, -M_PI, M_PI), r = 1e-3;
             struct gd_point p = at(mesh, x + r * cos(a), y + r * sin(a), 0),
                             q = at(mesh, x + r * cos(b), y + r * sin(b), 0);
-            assert_true(fabs(gd__tangent_angle(mesh, &point, &p, &q) -
+            assert_true(fabs(gd__turn_between(mesh, &point, &p, &q) -
                              fabs(remainder(a - b, 2 * M_PI))) < 1e-11);
         }
     }
     struct gd_point middle = at(mesh, 0.5, 0.5, 0), far = at(mesh, 0.9, 0.1, 0),
                     near = at(mesh, 0.51, 0.5, 0);
-    assert_true(isnan(gd__tangent_angle(mesh, &middle, &near, &far)));
+    assert_true(isnan(gd__turn_between(mesh, &middle, &near, &far)));
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
 }
@@ -52,10 +52,10 @@ static void around_an_apex(void **state)
     struct gd_point apex = at(mesh, 0, 0, 1), corner[3];
     for (int i = 0; i < 3; i++) corner[i] = at(mesh, cos(i * M_PI_2), sin(i * M_PI_2), 0);
     double sector = acos(0.5); /* angle of an equilateral triangle */
-    check_close(gd__tangent_angle(mesh, &apex, &corner[0], &corner[1]), sector, 1e-14);
-    check_close(gd__tangent_angle(mesh, &apex, &corner[0], &corner[2]), 2 * sector, 1e-14);
+    check_close(gd__turn_between(mesh, &apex, &corner[0], &corner[1]), sector, 1e-14);
+    check_close(gd__turn_between(mesh, &apex, &corner[0], &corner[2]), 2 * sector, 1e-14);
     /* at the boundary the angle is measured across the surface only */
-    double rim = gd__tangent_angle(mesh, &corner[1], &corner[0], &corner[2]);
+    double rim = gd__turn_between(mesh, &corner[1], &corner[0], &corner[2]);
     check_close(rim, 2 * sector, 1e-14);
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
