@@ -214,18 +214,13 @@ static bool ear_clip(struct ear_clipper *clipper, const double (*positions)[3],
                                              edges, triangle + (count - clipper->left));
 }
 
-static uint32_t triangulate_size_of(const struct gd_polygons *polygons, uint32_t polygon)
-{
-    return gd_polygons_first(polygons, polygon + 1) - gd_polygons_first(polygons, polygon);
-}
-
 static uint32_t largest_polygon(const struct gd_polygons *polygons, struct gd__pace *pace,
                                 uint32_t *which)
 {
     uint32_t most = 0;
     GD__PACED (pace, i, polygons->polygon_count) {
-        if (triangulate_size_of(polygons, i) <= most) continue;
-        most = triangulate_size_of(polygons, i);
+        if (gd_polygons_size(polygons, i) <= most) continue;
+        most = gd_polygons_size(polygons, i);
         *which = i;
     }
     return most;
@@ -262,7 +257,7 @@ static enum gd_status triangulate_split(struct gd__construction *work, uint32_t 
                                         uint32_t (*triangle)[3])
 {
     const struct gd_polygons *polygons = work->polygons;
-    uint32_t count = triangulate_size_of(polygons, polygon);
+    uint32_t count = gd_polygons_size(polygons, polygon);
     const uint32_t *corner = polygons->corners + gd_polygons_first(polygons, polygon);
     if (count == 3) {
         memcpy(triangle, corner, sizeof *triangle);
@@ -280,8 +275,8 @@ static enum gd_status triangulate_split(struct gd__construction *work, uint32_t 
 static uint32_t name_triangles(struct gd__construction *work, uint32_t polygon, uint32_t made,
                                uint32_t index)
 {
-    uint32_t count = triangulate_size_of(work->polygons, polygon),
-             end = index + triangulate_size_of(work->input, polygon) - 2;
+    uint32_t count = gd_polygons_size(work->polygons, polygon),
+             end = index + gd_polygons_size(work->input, polygon) - 2;
     for (uint32_t k = 0; work->face_index && k + 2 < count; k++)
         work->face_index[made + k] = index + k;
     for (uint32_t i = index; work->mesh->source_polygon && i < end; i++)
@@ -295,10 +290,10 @@ static enum gd_status split_all(struct gd__construction *work, struct ear_clippe
     const struct gd_polygons *polygons = work->polygons;
     GD__PACED (&work->pace, i, polygons->polygon_count)
         insert_ring(edges, polygons->corners + gd_polygons_first(polygons, i),
-                    triangulate_size_of(polygons, i));
+                    gd_polygons_size(polygons, i));
     uint32_t made = 0, index = 0;
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
-        uint32_t size = triangulate_size_of(polygons, i);
+        uint32_t size = gd_polygons_size(polygons, i);
         double done = (double)i / polygons->polygon_count;
         work->pace.fraction = work->progress + (work->progress_end - work->progress) * done;
         if (!gd__pace(&work->pace, size > 4 ? GD__PACE_STEPS : 16)) return work->pace.status;
@@ -341,7 +336,7 @@ static void take_triangles(struct gd__construction *work)
     if (!work->face_index) return;
     GD__PACED (&work->pace, i, work->polygons->polygon_count) {
         index = name_triangles(work, i, made, index);
-        made += triangulate_size_of(work->polygons, i) > 0;
+        made += gd_polygons_size(work->polygons, i) > 0;
     }
 }
 
@@ -358,7 +353,7 @@ static uint32_t count_triangles(const struct gd_polygons *polygons, struct gd__p
 {
     uint32_t count = 0;
     GD__PACED (pace, i, polygons->polygon_count)
-        count += triangulate_size_of(polygons, i) ? triangulate_size_of(polygons, i) - 2 : 0;
+        count += gd_polygons_size(polygons, i) ? gd_polygons_size(polygons, i) - 2 : 0;
     return count;
 }
 

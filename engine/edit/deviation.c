@@ -23,17 +23,9 @@ struct farthest {
     uint32_t face;    /* the nearest face so far; at first a face near the previous sample */
 };
 
-static double outside(double x, double min, double max)
-{
-    return x < min ? min - x : x > max ? x - max : 0;
-}
-
 static double box_square_distance(const struct gd__bvh_search *search, const struct gd__box *box)
 {
-    struct gd_vec3 q = ((const struct farthest *)search)->q;
-    struct gd_vec3 d = {outside(q.x, box->min.x, box->max.x), outside(q.y, box->min.y, box->max.y),
-                        outside(q.z, box->min.z, box->max.z)};
-    return gd_vec3_dot(d, d);
+    return gd__box_square_distance(box, ((const struct farthest *)search)->q);
 }
 
 static void visit_face(struct gd__bvh_search *search, uint32_t face)

@@ -8,16 +8,11 @@
 
 #define PLY_HEADER_MOST 512 /* upper bound of the bytes of the header */
 
-static uint32_t size_of_polygon(const struct gd_polygons *polygons, uint32_t polygon)
-{
-    return gd_polygons_first(polygons, polygon + 1) - gd_polygons_first(polygons, polygon);
-}
-
 static uint32_t largest_polygon(const struct gd_polygons *polygons)
 {
     uint32_t largest = 0;
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
-        uint32_t size = size_of_polygon(polygons, i);
+        uint32_t size = gd_polygons_size(polygons, i);
         if (size > largest) largest = size;
     }
     return largest;
@@ -75,7 +70,7 @@ static enum gd_status write_off(struct gd__output *output, const struct gd_polyg
         gd__output_text(output, "\n");
     }
     for (uint32_t i = 0; i < polygons->polygon_count && !output->failed; i++) {
-        gd__output_integer(output, size_of_polygon(polygons, i));
+        gd__output_integer(output, gd_polygons_size(polygons, i));
         gd__output_text(output, " ");
         write_corners(output, polygons, i, 0, " ");
         gd__output_text(output, "\n");
@@ -128,7 +123,7 @@ void gd__write_ply(struct gd__output *output, const struct gd_polygons *polygons
         if (distances) gd__output_f64(output, isfinite(distances[i]) ? distances[i] : NAN);
     }
     for (uint32_t i = 0; i < polygons->polygon_count && !output->failed; i++) {
-        gd__output_little_endian(output, size_of_polygon(polygons, i), long_lists ? 4 : 1);
+        gd__output_little_endian(output, gd_polygons_size(polygons, i), long_lists ? 4 : 1);
         for (uint32_t corner = gd_polygons_first(polygons, i);
              corner < gd_polygons_first(polygons, i + 1); corner++) {
             gd__output_little_endian(output, polygons->corners[corner], 4);

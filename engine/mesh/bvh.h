@@ -33,6 +33,21 @@ struct gd__bvh_search {
     void (*visit)(struct gd__bvh_search *search, uint32_t face);
 };
 
+/* Returns the distance of x from the interval [min, max]. */
+static inline double gd__interval_distance(double x, double min, double max)
+{
+    return x < min ? min - x : x > max ? x - max : 0;
+}
+
+/* Returns the squared distance of a position from a box. */
+static inline double gd__box_square_distance(const struct gd__box *box, struct gd_vec3 q)
+{
+    struct gd_vec3 d = {gd__interval_distance(q.x, box->min.x, box->max.x),
+                        gd__interval_distance(q.y, box->min.y, box->max.y),
+                        gd__interval_distance(q.z, box->min.z, box->max.z)};
+    return gd_vec3_dot(d, d);
+}
+
 /* Visits the faces in boxes whose bounds do not exceed the limit. Visits boxes with small bounds
  * first. Thread-safe; allocates nothing. */
 void gd__bvh_run(const struct gd_mesh *mesh, struct gd__bvh_search *search);

@@ -12,18 +12,9 @@ struct nearest {
     uint32_t face; /* the nearest face so far, or GD_NONE if there is none */
 };
 
-static double excess_of(double x, double min, double max)
-{
-    return x < min ? min - x : x > max ? x - max : 0;
-}
-
 static double bound_of_box(const struct gd__bvh_search *search, const struct gd__box *box)
 {
-    struct gd_vec3 q = ((const struct nearest *)search)->q;
-    struct gd_vec3 d = {excess_of(q.x, box->min.x, box->max.x),
-                        excess_of(q.y, box->min.y, box->max.y),
-                        excess_of(q.z, box->min.z, box->max.z)};
-    return gd_vec3_dot(d, d);
+    return gd__box_square_distance(box, ((const struct nearest *)search)->q);
 }
 
 static void visit_face(struct gd__bvh_search *search, uint32_t face)

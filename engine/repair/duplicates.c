@@ -20,16 +20,11 @@ static int compare_indices(const void *x, const void *y)
     return a < b ? -1 : a > b;
 }
 
-static uint32_t duplicates_size_of(const struct gd_polygons *polygons, uint32_t polygon)
-{
-    return gd_polygons_first(polygons, polygon + 1) - gd_polygons_first(polygons, polygon);
-}
-
 /* Compares two polygons by their number of corners, then by their vertices. */
 static int compare_sets(const struct comparison *comparison, uint32_t i, uint32_t j)
 {
-    uint32_t m = duplicates_size_of(comparison->polygons, i),
-             n = duplicates_size_of(comparison->polygons, j);
+    uint32_t m = gd_polygons_size(comparison->polygons, i),
+             n = gd_polygons_size(comparison->polygons, j);
     if (m != n) return m < n ? -1 : 1;
     const uint32_t *a = comparison->sorted + gd_polygons_first(comparison->polygons, i);
     const uint32_t *b = comparison->sorted + gd_polygons_first(comparison->polygons, j);
@@ -50,7 +45,7 @@ static void sort_corners(const struct gd_polygons *polygons, struct gd__pace *pa
 {
     GD__PACED (pace, c, gd_polygons_corner_count(polygons)) sorted[c] = polygons->corners[c];
     GD__PACED (pace, i, polygons->polygon_count)
-        qsort(sorted + gd_polygons_first(polygons, i), duplicates_size_of(polygons, i),
+        qsort(sorted + gd_polygons_first(polygons, i), gd_polygons_size(polygons, i),
               sizeof *sorted, compare_indices);
 }
 
@@ -60,14 +55,14 @@ static void bucket(const struct comparison *comparison, uint32_t *start, uint32_
 {
     const struct gd_polygons *polygons = comparison->polygons;
     GD__PACED (comparison->pace, i, polygons->polygon_count) {
-        if (duplicates_size_of(polygons, i))
+        if (gd_polygons_size(polygons, i))
             start[comparison->sorted[gd_polygons_first(polygons, i)] + 1]++;
     }
     GD__PACED (comparison->pace, v, polygons->position_count + 1) start[v + 1] += start[v];
     gd__slices_touch(comparison->pace, order, polygons->polygon_count * sizeof *order);
     GD__PACED (comparison->pace, done, polygons->polygon_count) {
         uint32_t i = polygons->polygon_count - 1 - done;
-        if (duplicates_size_of(polygons, i))
+        if (gd_polygons_size(polygons, i))
             order[--start[comparison->sorted[gd_polygons_first(polygons, i)] + 1]] = i;
     }
 }

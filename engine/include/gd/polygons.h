@@ -28,6 +28,12 @@ static inline uint32_t gd_polygons_first(const struct gd_polygons *polygons, uin
     return polygons->first ? polygons->first[polygon] : 3 * polygon;
 }
 
+/* Returns the number of corners of a polygon. */
+static inline uint32_t gd_polygons_size(const struct gd_polygons *polygons, uint32_t polygon)
+{
+    return gd_polygons_first(polygons, polygon + 1) - gd_polygons_first(polygons, polygon);
+}
+
 static inline uint32_t gd_polygons_corner_count(const struct gd_polygons *polygons)
 {
     return gd_polygons_first(polygons, polygons->polygon_count);
