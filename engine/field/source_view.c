@@ -1,11 +1,21 @@
 #include "field/source_view.h"
 
-int gd__source_bounds(const struct gd_field *field, const struct gd__face_frame *frame,
-                      const struct gd__source *source, struct gd__bound bound[GD__BOUNDS_MOST])
+/* A line with a unit normal towards its visible side. */
+struct bound {
+    struct gd__local normal, through;
+};
+
+enum { BOUNDS_MOST = 3 };
+
+/* Collects the borders of a source's view and returns their number. A sector has two borders. A
+ * linear source (a segment) has a third one: the line at the distance `nearest`. A segment across
+ * the face gives two sources, one for each side; the third border keeps each on its own side. */
+static int source_bounds(const struct gd_field *field, const struct gd__face_frame *frame,
+                         const struct gd__source *source, struct bound bound[BOUNDS_MOST])
 {
     if (!source->has_sector) return 0;
-    bound[0] = (struct gd__bound){source->left, source->left_at};
-    bound[1] = (struct gd__bound){source->right, source->right_at};
+    bound[0] = (struct bound){source->left, source->left_at};
+    bound[1] = (struct bound){source->right, source->right_at};
     if (!source->linear) return 2;
     double offset = gd__field_sigma(field, source->pseudo);
     for (int k = 0; k < 2; k++) {
@@ -15,19 +25,19 @@ int gd__source_bounds(const struct gd_field *field, const struct gd__face_frame 
         bound[k].through.y -= more * bound[k].normal.y;
     }
     double ahead = source->nearest - source->sigma;
-    bound[2] = (struct gd__bound){source->gradient,
-                                  {ahead * source->gradient.x, ahead * source->gradient.y}};
+    bound[2] =
+        (struct bound){source->gradient, {ahead * source->gradient.x, ahead * source->gradient.y}};
     return 3;
 }
 
-static double height_above(const struct gd__bound *bound, struct gd__local at)
+static double height_above(const struct bound *bound, struct gd__local at)
 {
     return bound->normal.x * (at.x - bound->through.x) +
            bound->normal.y * (at.y - bound->through.y);
 }
 
 /* Clips a convex polygon by a line; the view has room for the new corners. */
-static void clip_view(struct gd__view *view, const struct gd__bound *bound)
+static void clip_view(struct gd__view *view, const struct bound *bound)
 {
     struct gd__view cut = {0};
     for (int k = 0; k < view->count; k++) {
@@ -45,8 +55,8 @@ struct gd__view gd__source_view(const struct gd_field *field, const struct gd__f
                                 const struct gd__source *source, double nudge)
 {
     struct gd__view view = {3, {frame->corner[0], frame->corner[1], frame->corner[2]}, 0};
-    struct gd__bound bound[GD__BOUNDS_MOST];
-    int bounds = gd__source_bounds(field, frame, source, bound);
+    struct bound bound[BOUNDS_MOST];
+    int bounds = source_bounds(field, frame, source, bound);
     for (int k = 0; k < bounds; k++) clip_view(&view, &bound[k]);
     struct gd__focus focus = gd__focus_of(source);
     focus.sigma += nudge;
@@ -61,16 +71,17 @@ bool gd__view_is_beyond(const struct gd__view *view, const struct gd__source *ot
     if (!other->has_sector) return view->count == 0;
     bool is_left = true, is_right = true;
     for (int k = 0; k < view->count; k++) {
-        is_left &=
-            height_above(&(struct gd__bound){other->left, other->left_at}, view->corner[k]) < 0;
+        is_left &= height_above(&(struct bound){other->left, other->left_at}, view->corner[k]) < 0;
         is_right &=
-            height_above(&(struct gd__bound){other->right, other->right_at}, view->corner[k]) < 0;
+            height_above(&(struct bound){other->right, other->right_at}, view->corner[k]) < 0;
     }
     return is_left || is_right;
 }
 
-bool gd__branch_narrow(const struct gd__branch *branch, const struct gd__bound *bound,
-                       struct gd__turn *turn)
+/* Reduces `turn` to the spans where the branch lies inside a border. Returns false if no span is
+ * left. */
+static bool narrow(const struct gd__branch *branch, const struct bound *bound,
+                   struct gd__turn *turn)
 {
     struct gd__turn inside = gd__branch_beyond(branch, bound->normal, bound->through);
     gd__turn_narrow(turn, &inside);
@@ -81,11 +92,10 @@ bool gd__branch_narrow_to_view(const struct gd_field *field, const struct gd__fa
                                const struct gd__branch *branch, const struct gd__source *source,
                                struct gd__turn *turn)
 {
-    struct gd__bound bound[GD__BOUNDS_MOST];
-    int bounds = gd__source_bounds(field, frame, source, bound);
+    struct bound bound[BOUNDS_MOST];
+    int bounds = source_bounds(field, frame, source, bound);
     bool is_left = turn->count > 0;
-    for (int k = 0; k < bounds && is_left; k++)
-        is_left = gd__branch_narrow(branch, &bound[k], turn);
+    for (int k = 0; k < bounds && is_left; k++) is_left = narrow(branch, &bound[k], turn);
     return is_left;
 }
 
@@ -100,8 +110,8 @@ struct gd__turn gd__branch_domain(const struct gd_field *field, const struct gd_
         is_left = gd__branch_narrow_to_view(field, frame, branch, &sources->source[pair[i]], &turn);
     for (int k = 0; k < 3 && is_left; k++) {
         struct gd__local normal = {-frame->along[k].y, frame->along[k].x}, at = frame->corner[k];
-        struct gd__bound side = {normal, {at.x - slack * normal.x, at.y - slack * normal.y}};
-        is_left = gd__branch_narrow(branch, &side, &turn);
+        struct bound side = {normal, {at.x - slack * normal.x, at.y - slack * normal.y}};
+        is_left = narrow(branch, &side, &turn);
     }
     return turn;
 }

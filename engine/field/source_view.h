@@ -4,19 +4,6 @@
 
 #include "field/voronoi_branch.h"
 
-/* A line with a unit normal towards its visible side. */
-struct gd__bound {
-    struct gd__local normal, through;
-};
-
-enum { GD__BOUNDS_MOST = 3 };
-
-/* Collects the borders of a source's view and returns their number. A sector has two borders. A
- * linear source (a segment) has a third one: the line at the distance `nearest`. A segment across
- * the face gives two sources, one for each side; the third border keeps each on its own side. */
-int gd__source_bounds(const struct gd_field *field, const struct gd__face_frame *frame,
-                      const struct gd__source *source, struct gd__bound bound[GD__BOUNDS_MOST]);
-
 /* A triangle clipped by up to three lines. */
 struct gd__view {
     int count;
@@ -32,11 +19,8 @@ struct gd__view gd__source_view(const struct gd_field *field, const struct gd__f
  * the view's source at every point of the view. */
 bool gd__view_is_beyond(const struct gd__view *view, const struct gd__source *other);
 
-/* Both functions reduce the spans in `turn`, and return false if no span is left. The spans that
- * stay are those where the branch lies inside the border (gd__branch_narrow), or inside all borders
- * of the source's view (gd__branch_narrow_to_view). */
-bool gd__branch_narrow(const struct gd__branch *branch, const struct gd__bound *bound,
-                       struct gd__turn *turn);
+/* Reduces `turn` to the spans where the branch lies inside all borders of the source's view. Returns
+ * false if no span is left. */
 bool gd__branch_narrow_to_view(const struct gd_field *field, const struct gd__face_frame *frame,
                                const struct gd__branch *branch, const struct gd__source *source,
                                struct gd__turn *turn);

@@ -223,18 +223,6 @@ enum gd_status gd_direction_at_angle(const struct gd_mesh *mesh, const struct gd
 
 /* --- from a vector ---------------------------------------------------------------------------- */
 
-/* Returns the mean normal around a vertex, of length 1. Returns zero if there is none or the point
- * is not a vertex. */
-static struct gd_vec3 mesh_direction_normal_of(const struct ring *ring)
-{
-    struct gd_vec3 sum = {0, 0, 0};
-    for (uint32_t i = ring->first; i < ring->end && ring->point->kind == GD_POINT_VERTEX; i++) {
-        struct sector sector = sector_at(ring, i);
-        sum = gd_vec3_along(sum, sector.extent, gd_vec3_cross(sector.along, sector.across));
-    }
-    return gd_vec3_unit(sum);
-}
-
 /* Projects a vector into a sector. The projection is along the normal if there is a normal and the
  * face is not turned away from it. Otherwise it is perpendicular to the face. */
 static struct heading mesh_direction_project(const struct sector *sector, struct gd_vec3 normal,
@@ -269,7 +257,9 @@ enum gd_status gd_direction_along(const struct gd_mesh *mesh, const struct gd_po
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the vector has no direction: it is zero, or not finite");
     struct ring ring = ring_of(mesh, point);
-    struct gd_vec3 normal = mesh_direction_normal_of(&ring);
+    struct gd_vec3 normal = {0, 0, 0};
+    if (point->kind == GD_POINT_VERTEX)
+        normal = gd_vec3_unit(gd__vertex_normal(mesh, point->element));
     struct heading best = nowhere;
     for (uint32_t i = ring.first; i < ring.end; i++) {
         struct sector sector = sector_at(&ring, i);

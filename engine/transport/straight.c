@@ -5,19 +5,6 @@
 
 /* --- normals ---------------------------------------------------------------------------------- */
 
-/* Returns the mean of the faces' normals, weighted by angle; not of unit length. */
-static struct gd_vec3 mesh_normal(const struct gd_mesh *mesh, uint32_t vertex)
-{
-    struct gd_vec3 sum = {0, 0, 0};
-    for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
-        const struct gd_side *s = &mesh->side[mesh->fan[i].side];
-        struct gd__axes axes = gd__axes_of_side(mesh, mesh->fan[i].side);
-        sum =
-            gd_vec3_along(sum, atan2(s->left_y, s->left_x), gd_vec3_cross(axes.along, axes.across));
-    }
-    return sum;
-}
-
 /* The plane through a vertex that contains the arriving line and the normal. `ahead` is the line's
  * direction without its component along the normal. */
 struct plane {
@@ -92,7 +79,7 @@ bool gd__straight_on(const struct gd_mesh *mesh, uint32_t vertex, double back,
     if (options->vertex_rule == GD_VERTEX_RULE_NORMAL)
         by_normal(mesh, vertex, back,
                   options->normals ? options->normals[mesh->index_of_vertex[vertex]]
-                                   : mesh_normal(mesh, vertex),
+                                   : gd__vertex_normal(mesh, vertex),
                   out);
     return true;
 }
