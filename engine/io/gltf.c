@@ -57,71 +57,62 @@ bool gd__gltf_recognise(struct gd__scan scan)
 
 /* --- members of objects ----------------------------------------------------------------------- */
 
-enum gd_status gd__gltf_whole(const struct gd__gltf *gltf, uint32_t object, const char *name,
-                              uint64_t otherwise, uint64_t most, uint64_t *out)
+uint64_t gd__gltf_whole(struct gd__gltf *gltf, uint32_t object, const char *name,
+                        uint64_t otherwise, uint64_t most)
 {
     uint32_t value = gd__json_member(&gltf->json, object, name);
     double number = (double)otherwise;
     if (value != GD__NO_VALUE && !gd__json_real(&gltf->json, value, &number)) number = -1;
-    if (!(number >= 0 && number <= (double)most) || number != floor(number))
-        return gd__gltf_fail(gltf, value, GD_SYNTAX, "'%s' must be a whole number from 0 to %llu",
-                             name, (unsigned long long)most);
-    *out = (uint64_t)number;
-    return GD_OK;
+    if (number >= 0 && number <= (double)most && number == floor(number)) return (uint64_t)number;
+    gd__gltf_fail(gltf, value, GD_SYNTAX, "'%s' must be a whole number from 0 to %llu", name,
+                  (unsigned long long)most);
+    return 0;
 }
 
-enum gd_status gd__gltf_index(const struct gd__gltf *gltf, uint32_t value,
-                              const struct gd__gltf_list *list, uint32_t *out)
+uint32_t gd__gltf_index(struct gd__gltf *gltf, uint32_t value, const struct gd__gltf_list *list)
 {
     double number = -1;
     if (!gd__json_real(&gltf->json, value, &number) || !(number >= 0) || number != floor(number))
-        return gd__gltf_fail(gltf, value, GD_SYNTAX, "this is not a number of one of the '%s'",
-                             list->name);
-    if (number >= list->count)
-        return gd__gltf_fail(gltf, value, GD_SYNTAX,
-                             "the file refers to number %.0f of the '%s', but it has only %u",
-                             number, list->name, list->count);
-    *out = (uint32_t)number;
-    return GD_OK;
+        gd__gltf_fail(gltf, value, GD_SYNTAX, "this is not a number of one of the '%s'",
+                      list->name);
+    else if (number >= list->count)
+        gd__gltf_fail(gltf, value, GD_SYNTAX,
+                      "the file refers to number %.0f of the '%s', but it has only %u", number,
+                      list->name, list->count);
+    return gltf->status ? GD__NO_VALUE : (uint32_t)number;
 }
 
-enum gd_status gd__gltf_reference(const struct gd__gltf *gltf, uint32_t object, const char *name,
-                                  const struct gd__gltf_list *list, uint32_t *out)
+uint32_t gd__gltf_reference(struct gd__gltf *gltf, uint32_t object, const char *name,
+                            const struct gd__gltf_list *list)
 {
-    uint32_t value = gd__json_member(&gltf->json, object, name), number = 0;
-    *out = GD__NO_VALUE;
-    if (value == GD__NO_VALUE) return GD_OK;
-    enum gd_status status = gd__gltf_index(gltf, value, list, &number);
-    if (status == GD_OK) *out = list->values[number];
-    return status;
+    uint32_t value = gd__json_member(&gltf->json, object, name);
+    uint32_t number = value == GD__NO_VALUE ? GD__NO_VALUE : gd__gltf_index(gltf, value, list);
+    return number == GD__NO_VALUE ? GD__NO_VALUE : list->values[number];
 }
 
-enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object, const char *name,
-                              unsigned count, double *out)
+void gd__gltf_reals(struct gd__gltf *gltf, uint32_t object, const char *name, unsigned count,
+                    double *out)
 {
     uint32_t list = gd__json_member(&gltf->json, object, name);
-    if (list == GD__NO_VALUE) return GD_OK;
+    if (list == GD__NO_VALUE) return;
     uint32_t value = list + 1,
              end = gd__json_is(&gltf->json, list, '[') ? gd__json_next(&gltf->json, list) : 0;
     unsigned read = 0;
     for (; value < end && read < count; value = gd__json_next(&gltf->json, value)) {
         if (!gd__json_real(&gltf->json, value, &out[read++])) break;
     }
-    if (read == count && value == end) return GD_OK;
-    return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' must have %u numbers", name, count);
+    if (read != count || value != end)
+        gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' must have %u numbers", name, count);
 }
 
-enum gd_status gd__gltf_items(const struct gd__gltf *gltf, uint32_t object, const char *name,
-                              uint32_t *begin, uint32_t *end)
+struct gd__gltf_items gd__gltf_items(struct gd__gltf *gltf, uint32_t object, const char *name)
 {
     uint32_t list = gd__json_member(&gltf->json, object, name);
-    *begin = *end = 0;
-    if (list == GD__NO_VALUE) return GD_OK;
-    if (!gd__json_is(&gltf->json, list, '['))
-        return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' is not an array", name);
-    *begin = list + 1;
-    *end = gd__json_next(&gltf->json, list);
-    return GD_OK;
+    if (list == GD__NO_VALUE) return (struct gd__gltf_items){0};
+    if (gd__json_is(&gltf->json, list, '['))
+        return (struct gd__gltf_items){list + 1, gd__json_next(&gltf->json, list)};
+    gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' is not an array", name);
+    return (struct gd__gltf_items){0};
 }
 
 /* --- the document ----------------------------------------------------------------------------- */
@@ -140,98 +131,89 @@ static bool leaves_shape(const struct gd__json *json, uint32_t name)
     return false;
 }
 
-static enum gd_status refuse_extension(const struct gd__gltf *gltf, uint32_t name)
+static void refuse_extension(struct gd__gltf *gltf, uint32_t name)
 {
     if (gd__json_says(&gltf->json, name, "KHR_draco_mesh_compression"))
-        return gd__gltf_fail(gltf, name, GD_UNSUPPORTED,
-                             "the file is compressed by Draco: store it without compression");
+        gd__gltf_fail(gltf, name, GD_UNSUPPORTED,
+                      "the file is compressed by Draco: store it without compression");
     if (gd__json_says(&gltf->json, name, "EXT_meshopt_compression") ||
         gd__json_says(&gltf->json, name, "KHR_meshopt_compression"))
-        return gd__gltf_fail(gltf, name, GD_UNSUPPORTED,
-                             "the file is compressed by meshopt: store it without compression");
+        gd__gltf_fail(gltf, name, GD_UNSUPPORTED,
+                      "the file is compressed by meshopt: store it without compression");
     const char *at = gd__json_at(&gltf->json, name) + 1;
     size_t length = 0;
     while (at[length] != '"') length++;
-    return gd__gltf_fail(gltf, name, GD_UNSUPPORTED,
-                         "the file needs the extension '%s', which is not supported: "
-                         "export it without this extension",
-                         gd__excerpt((struct gd__word){at, length}).text);
+    gd__gltf_fail(gltf, name, GD_UNSUPPORTED,
+                  "the file needs the extension '%s', which is not supported: "
+                  "export it without this extension",
+                  gd__excerpt((struct gd__word){at, length}).text);
 }
 
-static enum gd_status check_extensions(const struct gd__gltf *gltf)
+static void check_extensions(struct gd__gltf *gltf)
 {
     uint32_t list = gd__json_member(&gltf->json, 0, "extensionsRequired");
-    if (list == GD__NO_VALUE || !gd__json_is(&gltf->json, list, '[')) return GD_OK;
+    if (list == GD__NO_VALUE || !gd__json_is(&gltf->json, list, '[')) return;
     uint32_t end = gd__json_next(&gltf->json, list);
     for (uint32_t name = list + 1; name < end; name = gd__json_next(&gltf->json, name)) {
         if (!gd__json_is(&gltf->json, name, '"'))
-            return gd__gltf_fail(gltf, name, GD_SYNTAX, "the name of an extension is not a string");
-        if (!leaves_shape(&gltf->json, name)) return refuse_extension(gltf, name);
+            gd__gltf_fail(gltf, name, GD_SYNTAX, "the name of an extension is not a string");
+        else if (!leaves_shape(&gltf->json, name))
+            refuse_extension(gltf, name);
     }
-    return GD_OK;
 }
 
-static enum gd_status check_version(const struct gd__gltf *gltf)
+static void check_version(struct gd__gltf *gltf)
 {
     uint32_t asset = gd__json_member(&gltf->json, 0, "asset");
     uint32_t version =
         asset == GD__NO_VALUE ? GD__NO_VALUE : gd__json_member(&gltf->json, asset, "version");
-    if (version == GD__NO_VALUE)
-        return gd__gltf_fail(gltf, 0, GD_SYNTAX,
-                             "the document is not glTF: it has no 'asset' with a 'version'");
+    if (version == GD__NO_VALUE) {
+        gd__gltf_fail(gltf, 0, GD_SYNTAX,
+                      "the document is not glTF: it has no 'asset' with a 'version'");
+        return;
+    }
     uint32_t least = gd__json_member(&gltf->json, asset, "minVersion");
-    bool is_readable = strncmp(gd__json_at(&gltf->json, version), "\"2.", 3) == 0;
-    if (is_readable && least != GD__NO_VALUE)
-        is_readable = gd__json_says(&gltf->json, least, "2.0");
-    if (is_readable) return GD_OK;
-    return gd__gltf_fail(gltf, version, GD_UNSUPPORTED,
-                         "the file needs another version than version 2.0 of glTF: convert it");
+    if (strncmp(gd__json_at(&gltf->json, version), "\"2.", 3) != 0 ||
+        (least != GD__NO_VALUE && !gd__json_says(&gltf->json, least, "2.0")))
+        gd__gltf_fail(gltf, version, GD_UNSUPPORTED,
+                      "the file needs another version than version 2.0 of glTF: convert it");
 }
 
-static enum gd_status read_list(struct gd__gltf *gltf, struct gd__gltf_list *list)
+static void read_list(struct gd__gltf *gltf, const char *name, struct gd__gltf_list *list)
 {
-    uint32_t first, end;
-    enum gd_status status = gd__gltf_items(gltf, 0, list->name, &first, &end);
-    size_t count = 0;
-    for (uint32_t item = first; item < end; item = gd__json_next(&gltf->json, item)) count++;
-    if (status != GD_OK || count == 0) return status;
+    struct gd__gltf_items items = gd__gltf_items(gltf, 0, name);
+    uint32_t count = 0;
+    list->name = name;
+    for (uint32_t item = items.begin; item < items.end; count++)
+        item = gd__json_next(&gltf->json, item);
     list->values = gd__arena_take(&gltf->arena, count, sizeof *list->values);
-    if (!list->values) return gd_fail_status(gltf->scan.detail, gltf->arena.status);
-    for (uint32_t item = first; item < end; item = gd__json_next(&gltf->json, item))
+    for (uint32_t item = items.begin; list->values && item < items.end;
+         item = gd__json_next(&gltf->json, item))
         list->values[list->count++] = item;
-    return GD_OK;
 }
 
-static enum gd_status read_lists(struct gd__gltf *gltf)
+/* Reads the document from the scan's cursor to its end. */
+static void read_document(struct gd__gltf *gltf)
 {
-    enum gd_status status = GD_OK;
-#define READ_LIST(member, text)                                                                    \
-    gltf->member.name = text;                                                                      \
-    if (status == GD_OK) status = read_list(gltf, &gltf->member);
+    gltf->status = gd__json_parse(&gltf->scan, gltf->control, &gltf->json);
+    if (gltf->status) return;
+    check_version(gltf);
+    check_extensions(gltf);
+#define READ_LIST(member, text) read_list(gltf, text, &gltf->member);
     GD__GLTF_LISTS(READ_LIST)
 #undef READ_LIST
-    if (status == GD_OK && gltf->buffers.count > GD__GLTF_BUFFERS)
-        status = gd__gltf_fail(gltf, 0, GD_UNSUPPORTED, "the file has more than %d buffers",
-                               GD__GLTF_BUFFERS);
-    if (status != GD_OK) return status;
+    if (gltf->buffers.count > GD__GLTF_BUFFERS)
+        gd__gltf_fail(gltf, 0, GD_UNSUPPORTED, "the file has more than %d buffers",
+                      GD__GLTF_BUFFERS);
     gltf->loaded = gd__arena_zeroed(&gltf->arena, gltf->buffers.count, sizeof *gltf->loaded);
-    return gltf->loaded ? GD_OK : gd_fail_status(gltf->scan.detail, gltf->arena.status);
+    if (!gltf->loaded && !gltf->status)
+        gltf->status = gd_fail_status(gltf->scan.detail, gltf->arena.status);
 }
 
 static void free_document(struct gd__gltf *gltf)
 {
     gd__json_free(&gltf->json);
     gd__arena_free(&gltf->arena);
-}
-
-/* Reads the document from the scan's cursor to its end. */
-static enum gd_status read_document(struct gd__gltf *gltf)
-{
-    enum gd_status status = gd__json_parse(&gltf->scan, gltf->control, &gltf->json);
-    if (status != GD_OK) return status;
-    status = check_version(gltf);
-    if (status == GD_OK) status = check_extensions(gltf);
-    return status == GD_OK ? read_lists(gltf) : status;
 }
 
 /* --- the container ---------------------------------------------------------------------------- */
@@ -276,47 +258,43 @@ static enum gd_status read_header(struct gd__scan *scan)
     return GD_OK;
 }
 
-static enum gd_status open_glb(struct gd__gltf *gltf)
+static void open_glb(struct gd__gltf *gltf)
 {
     struct gd__scan *scan = &gltf->scan;
     struct gd__gltf_bytes document = {0}, chunk = {0};
     uint32_t type = 0;
     enum gd_status status = read_header(scan);
-    if (status == GD_OK) status = read_chunk(scan, &type, &document);
-    if (status == GD_OK && type != CHUNK_JSON)
+    if (!status) status = read_chunk(scan, &type, &document);
+    if (!status && type != CHUNK_JSON)
         status = gd__scan_fail(scan, document.at - CHUNK_HEADER, GD_SYNTAX,
                                "the first chunk of a GLB must be JSON");
-    while (status == GD_OK && !gltf->binary.at && gd__scan_left(scan) > 0) {
+    while (!status && !gltf->binary.at && gd__scan_left(scan) > 0) {
         status = read_chunk(scan, &type, &chunk);
-        if (status == GD_OK && type == CHUNK_BINARY) gltf->binary = chunk;
+        if (!status && type == CHUNK_BINARY) gltf->binary = chunk;
     }
-    if (status != GD_OK) return status;
+    gltf->status = status;
+    if (status) return;
     scan->at = document.at;
     scan->end = document.at + document.size;
-    return read_document(gltf);
+    read_document(gltf);
 }
 
 /* The caller must free `*out` even after a failure. */
-static enum gd_status open_file(const struct gd__scan *scan, const struct gd_control *control,
-                                bool is_glb, struct gd__gltf *out)
+static void open_file(const struct gd__scan *scan, const struct gd_control *control, bool is_glb,
+                      struct gd__gltf *out)
 {
     *out = (struct gd__gltf){.scan = *scan, .control = control};
     out->scan.by_byte = true;
-    return is_glb ? open_glb(out) : read_document(out);
+    if (is_glb)
+        open_glb(out);
+    else
+        read_document(out);
 }
 
 /* --- the scene -------------------------------------------------------------------------------- */
 
-static enum gd_status fail_empty(const struct gd__gltf *gltf, const struct gd__gltf_sum *sum)
-{
-    return gd_fail(
-        gltf->scan.detail, GD_EMPTY,
-        "the scene has no triangles; %llu primitives are points or lines, or have no positions",
-        (unsigned long long)sum->skipped);
-}
-
-static enum gd_status make_scene(struct gd__gltf *gltf, struct gd__builder *builder,
-                                 const struct gd__gltf_sum *sum)
+static void make_scene(struct gd__gltf *gltf, struct gd__builder *builder,
+                       const struct gd__gltf_sum *sum)
 {
     struct gd__gltf_making making = {
         .gltf = gltf,
@@ -325,10 +303,11 @@ static enum gd_status make_scene(struct gd__gltf *gltf, struct gd__builder *buil
         .weld = gd__weld_begin(builder),
         .vertices = gd__arena_take(&gltf->arena, sum->largest, sizeof *making.vertices),
         .all = 2 * sum->primitives + sum->vertices + 3 * sum->triangles};
-    enum gd_status status = making.vertices ? gd__gltf_walk(gltf, gd__gltf_make_mesh, &making)
-                                            : gd_fail_status(gltf->scan.detail, gltf->arena.status);
+    if (making.vertices)
+        gd__gltf_walk(gltf, gd__gltf_make_mesh, &making);
+    else
+        gltf->status = gd_fail_status(gltf->scan.detail, gltf->arena.status);
     gd__weld_free(&making.weld);
-    return status;
 }
 
 static enum gd_status read_file(const struct gd__scan *scan, struct gd__builder *builder,
@@ -336,18 +315,22 @@ static enum gd_status read_file(const struct gd__scan *scan, struct gd__builder 
 {
     struct gd__gltf gltf;
     struct gd__gltf_sum sum = {0};
-    enum gd_status status = open_file(scan, builder->limits.control, is_glb, &gltf);
+    open_file(scan, builder->limits.control, is_glb, &gltf);
     builder->scan = &gltf.scan;
     builder->next_look = gltf.scan.end; /* the conversion checks the control itself */
-    if (status == GD_OK) status = gd__gltf_walk(&gltf, gd__gltf_count_mesh, &sum);
-    if (status == GD_OK && sum.triangles == 0) status = fail_empty(&gltf, &sum);
+    gd__gltf_walk(&gltf, gd__gltf_count_mesh, &sum);
+    if (!gltf.status && sum.triangles == 0)
+        gltf.status = gd_fail(gltf.scan.detail, GD_EMPTY,
+                              "the scene has no triangles; %llu primitives are points or lines, or "
+                              "have no positions",
+                              (unsigned long long)sum.skipped);
     uint64_t most = builder->limits.max_vertices,
              vertices = sum.vertices < most ? sum.vertices : most;
-    if (status == GD_OK) status = gd__builder_reserve(builder, vertices, sum.triangles);
-    if (status == GD_OK) status = make_scene(&gltf, builder, &sum);
+    if (!gltf.status) gltf.status = gd__builder_reserve(builder, vertices, sum.triangles);
+    if (!gltf.status) make_scene(&gltf, builder, &sum);
     free_document(&gltf);
     builder->scan = scan;
-    return status;
+    return gltf.status;
 }
 
 enum gd_status gd__gltf_read(struct gd__scan *scan, struct gd__builder *builder)
@@ -389,9 +372,9 @@ size_t gd__gltf_cost(const void *bytes, size_t size, bool is_glb,
     scan.deadline_ns = limits && limits->control ? limits->control->deadline_ns : 0;
     struct gd__gltf gltf;
     struct gd__gltf_sum sum = {0};
-    enum gd_status status = open_file(&scan, limits ? limits->control : NULL, is_glb, &gltf);
-    if (status == GD_OK) status = gd__gltf_walk(&gltf, gd__gltf_count_mesh, &sum);
-    size_t cost = status == GD_OK ? cost_of(&sum, limits) : 0,
+    open_file(&scan, limits ? limits->control : NULL, is_glb, &gltf);
+    gd__gltf_walk(&gltf, gd__gltf_count_mesh, &sum);
+    size_t cost = gltf.status ? 0 : cost_of(&sum, limits),
            document = TREE_FACTOR * gltf.json.size + size;
     free_document(&gltf);
     return cost ? cost + document : 0;

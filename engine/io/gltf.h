@@ -38,7 +38,10 @@ struct gd__gltf_bytes {
     size_t size;
 };
 
+/* The functions below store the first failure in `status`. After a failure they return values that
+ * must not be used. So a caller may read several values before it checks the status. */
 struct gd__gltf {
+    enum gd_status status;
     struct gd__scan scan; /* the cursor stays at the beginning of the document */
     const struct gd_control *control;
     struct gd__arena arena; /* the arrays of this struct, and decoded buffers */
@@ -53,42 +56,44 @@ struct gd__gltf {
 
 /* --- gltf.c ----------------------------------------------------------------------------------- */
 
-/* Reports an error in the document at that JSON value. */
-#define gd__gltf_fail(gltf, value, status, ...)                                                    \
-    gd__scan_fail(&(gltf)->scan, gd__json_at(&(gltf)->json, (value)), (status), __VA_ARGS__)
+/* Fails with an error in the document at that JSON value, unless the reader failed before. */
+#define gd__gltf_fail(gltf, value, code, ...)                                                      \
+    ((void)((gltf)->status ||                                                                      \
+            ((gltf)->status = gd__scan_fail(&(gltf)->scan, gd__json_at(&(gltf)->json, (value)),    \
+                                            (code), __VA_ARGS__))))
 
-/* Reads the member `name` of an object as a whole number from 0 to `most`. Returns `otherwise` in
- * `out` if the member is missing. Errors: GD_SYNTAX. */
-GD_MUST_USE enum gd_status gd__gltf_whole(const struct gd__gltf *gltf, uint32_t object,
-                                          const char *name, uint64_t otherwise, uint64_t most,
-                                          uint64_t *out);
+/* Reads the member `name` of an object as a whole number from 0 to `most`. Returns `otherwise` if
+ * the member is missing. Error: GD_SYNTAX. */
+uint64_t gd__gltf_whole(struct gd__gltf *gltf, uint32_t object, const char *name,
+                        uint64_t otherwise, uint64_t most);
 
-/* Reads the member `name` of an object as an index into a list. Returns this item of the list in
- * `out`, or GD__NO_VALUE if the member is missing. Errors: GD_SYNTAX. */
-GD_MUST_USE enum gd_status gd__gltf_reference(const struct gd__gltf *gltf, uint32_t object,
-                                              const char *name, const struct gd__gltf_list *list,
-                                              uint32_t *out);
+/* Reads the member `name` of an object as an index into a list. Returns this item of the list, or
+ * GD__NO_VALUE if the member is missing or after a failure. Error: GD_SYNTAX. */
+uint32_t gd__gltf_reference(struct gd__gltf *gltf, uint32_t object, const char *name,
+                            const struct gd__gltf_list *list);
 
-/* Reads the JSON value `value` as an index into a list. Errors: GD_SYNTAX. */
-GD_MUST_USE enum gd_status gd__gltf_index(const struct gd__gltf *gltf, uint32_t value,
-                                          const struct gd__gltf_list *list, uint32_t *out);
+/* Reads the JSON value `value` as an index into a list. Error: GD_SYNTAX. */
+uint32_t gd__gltf_index(struct gd__gltf *gltf, uint32_t value, const struct gd__gltf_list *list);
 
 /* Reads the member `name` of an object as an array of `count` real numbers. Leaves `out` unchanged
- * if the member is missing. Errors: GD_SYNTAX. */
-GD_MUST_USE enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object,
-                                          const char *name, unsigned count, double *out);
+ * if the member is missing. Error: GD_SYNTAX. */
+void gd__gltf_reals(struct gd__gltf *gltf, uint32_t object, const char *name, unsigned count,
+                    double *out);
 
-/* Reads the member `name` of an object as a list. The items of the list begin at the JSON value
- * `*begin` and end before `*end`. If the member is missing, the list is empty. Errors:
+/* The items of an array: the JSON values from `begin` to before `end`. */
+struct gd__gltf_items {
+    uint32_t begin, end;
+};
+
+/* Reads the member `name` of an object as an array, which is empty if the member is missing. Error:
  * GD_SYNTAX. */
-GD_MUST_USE enum gd_status gd__gltf_items(const struct gd__gltf *gltf, uint32_t object,
-                                          const char *name, uint32_t *begin, uint32_t *end);
+struct gd__gltf_items gd__gltf_items(struct gd__gltf *gltf, uint32_t object, const char *name);
 
 /* --- gltf_data.c ------------------------------------------------------------------------------ */
 
 /* An accessor that is read one element after the other. */
 struct gd__gltf_accessor {
-    const struct gd__gltf *gltf;
+    struct gd__gltf *gltf;
     uint32_t value;      /* JSON value of the accessor */
     unsigned components; /* components per element */
     uint32_t type;       /* type of a component: 5120 (byte) to 5126 (float) */
@@ -104,34 +109,31 @@ struct gd__gltf_accessor {
     const char *sparse_indices, *sparse_values;
 };
 
-/* Returns the number of elements of an accessor, at least 1. Errors: GD_SYNTAX. */
-GD_MUST_USE enum gd_status gd__gltf_accessor_count(const struct gd__gltf *gltf, uint32_t value,
-                                                   uint32_t *out);
+/* Returns the number of elements of an accessor, at least 1. Error: GD_SYNTAX. */
+uint32_t gd__gltf_accessor_count(struct gd__gltf *gltf, uint32_t value);
 
 /* Opens an accessor of vectors ("VEC3": positions) or of whole numbers ("SCALAR": indices). Loads
  * its buffers if necessary. Errors: GD_SYNTAX, GD_TRUNCATED (the accessor extends beyond its
  * buffer), GD_UNSUPPORTED (data in another file, compressed data), GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__gltf_accessor_open(struct gd__gltf *gltf, uint32_t value,
-                                                  bool is_position, struct gd__gltf_accessor *out);
+struct gd__gltf_accessor gd__gltf_accessor_open(struct gd__gltf *gltf, uint32_t value,
+                                                bool is_position);
 
-/* Reads the next element, which must exist. Errors: GD_SYNTAX (sparse indices that do not
+/* Reads the next element, which must exist. Error: GD_SYNTAX (sparse indices that do not
  * increase). */
-GD_MUST_USE enum gd_status gd__gltf_accessor_next(struct gd__gltf_accessor *accessor,
-                                                  double out[3]);
+void gd__gltf_accessor_next(struct gd__gltf_accessor *accessor, double out[3]);
 
 /* --- gltf_nodes.c ----------------------------------------------------------------------------- */
 
 /* Called for each mesh of the scene. `user` is the last argument of gd__gltf_walk. */
-typedef enum gd_status gd__gltf_visit(const struct gd__gltf *gltf, uint32_t mesh,
-                                      const struct gd__place *place, void *user);
+typedef void gd__gltf_visit(struct gd__gltf *gltf, uint32_t mesh, const struct gd__place *place,
+                            void *user);
 
 /* Visits the meshes of the scene in the order of its nodes. Uses the default scene, or the first
  * scene if no default is given. In a file without scenes it visits all root nodes, and in a file
  * without nodes all meshes, untransformed. It places a skinned mesh without a transform, as the
  * format requires. Errors: GD_SYNTAX (a node with two parents, or in a cycle), GD_UNSUPPORTED
  * (nodes nested more than 256 deep), GD_NO_MEMORY, and the errors of the visitor. */
-GD_MUST_USE enum gd_status gd__gltf_walk(const struct gd__gltf *gltf, gd__gltf_visit *visit,
-                                         void *user);
+void gd__gltf_walk(struct gd__gltf *gltf, gd__gltf_visit *visit, void *user);
 
 /* --- gltf_primitive.c ------------------------------------------------------------------------- */
 
@@ -145,7 +147,7 @@ struct gd__gltf_sum {
 
 /* Visitor: adds the primitives of a mesh to the sums, a struct gd__gltf_sum. Errors: GD_SYNTAX,
  * GD_UNSUPPORTED, GD_CANCELLED, GD_DEADLINE. */
-GD_MUST_USE gd__gltf_visit gd__gltf_count_mesh;
+gd__gltf_visit gd__gltf_count_mesh;
 
 /* State of the conversion to triangles. */
 struct gd__gltf_making {
@@ -162,4 +164,4 @@ struct gd__gltf_making {
 
 /* Visitor: adds the triangles of a mesh, transformed by `place`, to the builder of a struct
  * gd__gltf_making. Errors: those of gd_read_polygons. */
-GD_MUST_USE gd__gltf_visit gd__gltf_make_mesh;
+gd__gltf_visit gd__gltf_make_mesh;
