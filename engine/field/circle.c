@@ -170,28 +170,24 @@ static struct gd__turn seen_by(const struct gd__circle *circle, const struct gd_
     return gd__turn_both(&parts, &left_of);
 }
 
-static enum gd_status cover_outside_face(const struct gd__circle *circle,
-                                         const struct gd__face_frame *frame, double slack,
-                                         struct gd__spans *covered)
+static void cover_outside_face(const struct gd__circle *circle, const struct gd__face_frame *frame,
+                               double slack, struct gd__spans *covered)
 {
-    enum gd_status status = GD_OK;
-    for (int k = 0; k < 3 && !status; k++) {
+    for (int k = 0; k < 3; k++) {
         struct gd__local inwards = {-frame->along[k].y, frame->along[k].x};
         struct gd__turn outside = beyond_line(circle, inwards, frame->corner[k], slack);
-        status = gd__spans_put(covered, &outside, 0);
+        gd__spans_put(covered, &outside, 0);
     }
-    return status;
 }
 
-static enum gd_status cover_outside_sector(const struct gd__circle *circle,
-                                           const struct gd__source *source,
-                                           struct gd__spans *covered)
+static void cover_outside_sector(const struct gd__circle *circle, const struct gd__source *source,
+                                 struct gd__spans *covered)
 {
-    if (!source->has_sector) return GD_OK;
+    if (!source->has_sector) return;
     struct gd__turn beyond_left = beyond_line(circle, source->left, source->left_at, 0),
                     beyond_right = beyond_line(circle, source->right, source->right_at, 0);
-    enum gd_status status = gd__spans_put(covered, &beyond_left, 0);
-    return status ? status : gd__spans_put(covered, &beyond_right, 0);
+    gd__spans_put(covered, &beyond_left, 0);
+    gd__spans_put(covered, &beyond_right, 0);
 }
 
 /* The smallest disk around the middle of a span that contains the span. */
@@ -247,20 +243,19 @@ static bool takes_tie(const struct gd__sources *sources, uint32_t k, uint32_t i,
     return a->linear == b->linear ? k < i : a->linear;
 }
 
-static enum gd_status cover_by_others(const struct gd__sources *sources, uint32_t i,
-                                      const struct gd__circle *circle, double level, double slack,
-                                      const struct gd__span *span, struct gd__spans *covered)
+static void cover_by_others(struct gd__sources *sources, uint32_t i,
+                            const struct gd__circle *circle, double level,
+                            const struct gd__span *span)
 {
+    double slack = gd__envelope_slack(level, sources->frame.size);
     struct probe probe = probe_of(circle, span);
-    enum gd_status status = GD_OK;
-    for (uint32_t k = 0; k < sources->count && !status; k++) {
+    for (uint32_t k = 0; k < sources->count; k++) {
         const struct gd__source *other = &sources->source[k];
         double most = level + (takes_tie(sources, k, i, level) ? slack : -slack);
         if (k == i || !may_cover(other, most, &probe)) continue;
         struct gd__turn seen = seen_by(circle, other, most);
-        status = gd__spans_put(covered, &seen, 0);
+        gd__spans_put(&sources->covered, &seen, 0);
     }
-    return status;
 }
 
 /* --- arcs ------------------------------------------------------------------------------------- */
@@ -286,13 +281,13 @@ enum gd_status gd__circle_arcs(struct gd__sources *sources, uint32_t i, double l
     double slack = gd__envelope_slack(level, sources->frame.size), least = slack / circle.radius;
     covered->count = arcs->count = 0;
     if (encloses_face(&circle, &sources->frame, slack)) return GD_OK;
-    enum gd_status status = cover_outside_face(&circle, &sources->frame, slack, covered);
-    if (!status) status = cover_outside_sector(&circle, &sources->source[i], covered);
-    if (!status) status = gd__spans_invert(covered, least, arcs);
-    if (status || !arcs->count) return status;
-    for (uint32_t k = 0; k < arcs->count && !status; k++)
-        status = cover_by_others(sources, i, &circle, level, slack, &arcs->span[k], covered);
-    if (!status) status = gd__spans_invert(covered, least, arcs);
-    if (!status) gd__spans_join(arcs);
-    return status;
+    cover_outside_face(&circle, &sources->frame, slack, covered);
+    cover_outside_sector(&circle, &sources->source[i], covered);
+    gd__spans_invert(covered, least, arcs);
+    if (!arcs->count) return arcs->status;
+    for (uint32_t k = 0; k < arcs->count; k++)
+        cover_by_others(sources, i, &circle, level, &arcs->span[k]);
+    gd__spans_invert(covered, least, arcs);
+    gd__spans_join(arcs);
+    return arcs->status;
 }

@@ -326,31 +326,27 @@ static double slack_against(const struct work *work, uint32_t third, const uint3
     return slack;
 }
 
-static enum gd_status cover_by_third(const struct work *work, const struct pair *pair, uint32_t k)
+static void cover_by_third(const struct work *work, const struct pair *pair, uint32_t k)
 {
     struct gd__focus third = gd__focus_of(source_at(work, k));
     struct gd__turn lost =
         gd__branch_lost_to(&pair->branch, &third, slack_against(work, k, pair->number));
     gd__branch_narrow_to_view(work->field, &work->sources->frame, &pair->branch, source_at(work, k),
                               &lost);
-    return gd__spans_put(&work->ridges->scratch.sources.covered, &lost, k);
+    gd__spans_put(&work->ridges->scratch.sources.covered, &lost, k);
 }
 
 /* Covers the spans where one of the sources that compete in both views is nearer. */
-static enum gd_status cover_by_others(const struct work *work, const struct pair *pair)
+static void cover_by_others(const struct work *work, const struct pair *pair)
 {
     const uint64_t *first = rivals_of(work, pair->number[0]),
                    *second = rivals_of(work, pair->number[1]);
-    enum gd_status status = GD_OK;
-    for (uint32_t word = 0; word < work->row && !status; word++) {
-        uint64_t bits = first[word] & second[word];
-        for (; bits && !status; bits &= bits - 1) {
+    for (uint32_t word = 0; word < work->row; word++) {
+        for (uint64_t bits = first[word] & second[word]; bits; bits &= bits - 1) {
             uint32_t k = word * BITS + (uint32_t)__builtin_ctzll(bits);
-            if (k != pair->number[0] && k != pair->number[1])
-                status = cover_by_third(work, pair, k);
+            if (k != pair->number[0] && k != pair->number[1]) cover_by_third(work, pair, k);
         }
     }
-    return status;
 }
 
 static enum gd_status add_parts(const struct work *work, const struct pair *pair)
@@ -361,10 +357,12 @@ static enum gd_status add_parts(const struct work *work, const struct pair *pair
         gd__branch_domain(work->field, work->sources, &pair->branch, pair->number, pair->beside);
     if (!domain.count) return GD_OK;
     enum gd_status status = gd__pace_step(&work->ridges->pace, 64);
-    if (!status) status = gd__spans_cover_outside(&domain, covered, spans);
-    if (!status) status = cover_by_others(work, pair);
-    if (!status) status = gd__spans_invert(covered, GD_TOL_SPAN, spans);
-    if (!status) gd__spans_join(spans);
+    if (status) return status;
+    gd__spans_cover_outside(&domain, covered, spans);
+    cover_by_others(work, pair);
+    gd__spans_invert(covered, GD_TOL_SPAN, spans);
+    gd__spans_join(spans);
+    status = spans->status;
     for (uint32_t k = 0; k < spans->count && !status; k++)
         status = add_part(work, pair, &spans->span[k]);
     return status;

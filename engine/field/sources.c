@@ -3,10 +3,12 @@
 #include "base/array.h"
 #include "mesh/segment.h"
 
-static enum gd_status append_source(struct gd__sources *sources, const struct gd__source *source)
+/* Appends a source whose paths enter the face before `most`. */
+static void append_source(struct gd__sources *sources, const struct gd__source *source, double most)
 {
-    return gd__array_append(&sources->source, &sources->count, &sources->capacity, source,
-                            sizeof *source);
+    if (source->nearest < most && !sources->status)
+        sources->status = gd__array_append(&sources->source, &sources->count, &sources->capacity,
+                                           source, sizeof *source);
 }
 
 void gd__sources_destroy(struct gd__sources *sources)
@@ -106,33 +108,30 @@ static struct gd__source source_of_window(const struct gd__face_frame *frame, in
     return source;
 }
 
-static enum gd_status append_wedges(const struct gd_field *field, int k, double most,
-                                    struct gd__sources *out)
+static void append_wedges(const struct gd_field *field, int k, double most, struct gd__sources *out)
 {
     uint32_t side = field->mesh->face_side[out->face][k];
     const uint32_t across = side & 1 ? GD__WINDOW_FAR_SIDE : 0;
     struct gd__edge_windows windows = gd__edge_windows(field, side);
-    enum gd_status status = GD_OK;
-    for (struct gd__window w; !status && gd__edge_windows_next(&windows, &w);) {
+    for (struct gd__window w; gd__edge_windows_next(&windows, &w);) {
         if (w.tags != across) continue;
         struct gd__source source = source_of_window(&out->frame, k, &w);
-        if (source.nearest < most) status = append_source(out, &source);
+        append_source(out, &source, most);
     }
-    return status;
 }
 
-static enum gd_status append_point(const struct gd_field *field, uint32_t seed,
-                                   struct gd__sources *out)
+/* Appends a point that sees the whole face: a seed or a corner. */
+static void append_point(struct gd__sources *out, struct gd__local place, double distance,
+                         uint32_t pseudo, double most)
 {
-    const struct gd__seed *s = &field->seeds[seed];
-    struct gd__local place = gd__point_local(field->mesh, out->face, &s->point);
-    return append_source(out, &(struct gd__source){.at = place,
-                                                   .sigma = s->offset,
-                                                   .left_at = place,
-                                                   .right_at = place,
-                                                   .nearest = s->offset,
-                                                   .farthest = s->offset,
-                                                   .pseudo = field->mesh->vertex_count + seed});
+    const struct gd__source source = {.at = place,
+                                      .sigma = distance,
+                                      .left_at = place,
+                                      .right_at = place,
+                                      .nearest = distance,
+                                      .farthest = distance,
+                                      .pseudo = pseudo};
+    append_source(out, &source, most);
 }
 
 /* Returns the source of a segment for its left side (`left` = 1) or its right side (`left` =
@@ -153,8 +152,8 @@ static struct gd__source source_of_chord(const struct gd__chord *chord, int left
 
 /* Appends the sources of a seed segment. A segment along an edge has only one source in this face,
  * because the face lies on one side of the segment. */
-static enum gd_status append_chord(const struct gd_field *field, uint32_t seed,
-                                   struct gd__sources *out)
+static void append_chord(const struct gd_field *field, uint32_t seed, double most,
+                         struct gd__sources *out)
 {
     const struct gd__seed *s = &field->seeds[seed];
     struct gd__segment_location location = {GD_NONE, GD_NONE};
@@ -162,47 +161,24 @@ static enum gd_status append_chord(const struct gd_field *field, uint32_t seed,
     bool is_inside = gd__segment_locate(field->mesh, &s->point, &s->end, &location) &&
                      location.edge == GD_NONE,
          has_middle_on_left = gd__chord_height(&chord, gd__face_frame_middle(&out->frame)) > 0;
-    enum gd_status status = GD_OK;
-    for (int left = -1; left <= 1 && !status; left += 2) {
+    for (int left = -1; left <= 1; left += 2) {
         if (!is_inside && has_middle_on_left != (left > 0)) continue;
         struct gd__source source = source_of_chord(&chord, left, s->offset);
         source.pseudo = field->mesh->vertex_count + seed;
-        status = append_source(out, &source);
+        append_source(out, &source, most);
     }
-    return status;
 }
 
-static enum gd_status append_seeds(const struct gd_field *field, double most,
-                                   struct gd__sources *out)
+static void append_seeds(const struct gd_field *field, double most, struct gd__sources *out)
 {
-    enum gd_status status = GD_OK;
-    struct gd__face_seeds f = gd__field_seeds_in(field, out->face);
-    for (; f.at < f.end && !status; f.at++) {
+    for (struct gd__face_seeds f = gd__field_seeds_in(field, out->face); f.at < f.end; f.at++) {
         const struct gd__seed *seed = &field->seeds[f.at->seed];
-        if (seed->offset >= most) continue;
-        status = seed->is_segment ? append_chord(field, f.at->seed, out)
-                                  : append_point(field, f.at->seed, out);
+        if (seed->is_segment)
+            append_chord(field, f.at->seed, most, out);
+        else
+            append_point(out, gd__point_local(field->mesh, out->face, &seed->point), seed->offset,
+                         field->mesh->vertex_count + f.at->seed, most);
     }
-    return status;
-}
-
-static enum gd_status append_corners(const struct gd_field *field, double most,
-                                     struct gd__sources *out)
-{
-    enum gd_status status = GD_OK;
-    for (int k = 0; k < 3 && !status; k++) {
-        uint32_t vertex = field->mesh->origin[field->mesh->face_side[out->face][k]];
-        double distance = field->distance[vertex];
-        struct gd__source source = {.at = out->frame.corner[k],
-                                    .sigma = distance,
-                                    .left_at = out->frame.corner[k],
-                                    .right_at = out->frame.corner[k],
-                                    .nearest = distance,
-                                    .farthest = distance,
-                                    .pseudo = vertex};
-        if (source.nearest < most) status = append_source(out, &source);
-    }
-    return status;
 }
 
 enum gd_status gd__sources_gather(const struct gd_field *field, uint32_t face, double most,
@@ -211,8 +187,11 @@ enum gd_status gd__sources_gather(const struct gd_field *field, uint32_t face, d
     out->face = face;
     out->frame = gd__face_frame_of(field->mesh, face);
     out->count = 0;
-    enum gd_status status = append_seeds(field, most, out);
-    for (int k = 0; k < 3 && !status; k++) status = append_wedges(field, k, most, out);
-    if (!status) status = append_corners(field, most, out);
-    return status;
+    append_seeds(field, most, out);
+    for (int k = 0; k < 3; k++) append_wedges(field, k, most, out);
+    for (int k = 0; k < 3; k++) {
+        uint32_t vertex = field->mesh->origin[field->mesh->face_side[face][k]];
+        append_point(out, out->frame.corner[k], field->distance[vertex], vertex, most);
+    }
+    return out->status;
 }

@@ -37,6 +37,7 @@ struct gd__sources {
     struct gd__face_frame frame;
     struct gd__source *source;
     uint32_t count, capacity;
+    enum gd_status status; /* GD_NO_MEMORY if a source could not be added */
     /* spans of the circle or branch that is being computed: those where another source is nearer,
        and the others */
     struct gd__spans covered, spans;

@@ -28,18 +28,17 @@ struct gd__turn gd__turn_both(const struct gd__turn *a, const struct gd__turn *b
     return common;
 }
 
-static enum gd_status append_span(struct gd__spans *spans, struct gd__span span)
+static void append_span(struct gd__spans *spans, struct gd__span span)
 {
-    return gd__array_append(&spans->span, &spans->count, &spans->capacity, &span, sizeof span);
+    if (!spans->status)
+        spans->status =
+            gd__array_append(&spans->span, &spans->count, &spans->capacity, &span, sizeof span);
 }
 
-enum gd_status gd__spans_put(struct gd__spans *spans, const struct gd__turn *turn, uint32_t by)
+void gd__spans_put(struct gd__spans *spans, const struct gd__turn *turn, uint32_t by)
 {
-    enum gd_status status = GD_OK;
-    for (int i = 0; i < turn->count && !status; i++)
-        status =
-            append_span(spans, (struct gd__span){turn->part[i].from, turn->part[i].to, by, by});
-    return status;
+    for (int i = 0; i < turn->count; i++)
+        append_span(spans, (struct gd__span){turn->part[i].from, turn->part[i].to, by, by});
 }
 
 /* Sorts spans by insertion, because there are few. */
@@ -54,33 +53,31 @@ static void sort_by_start(struct gd__spans *spans)
     }
 }
 
-enum gd_status gd__spans_invert(struct gd__spans *covered, double least, struct gd__spans *out)
+void gd__spans_invert(struct gd__spans *covered, double least, struct gd__spans *out)
 {
     /* `free` begins at the end of the spans covered so far */
     struct gd__span free = {.from = -M_PI, .from_by = GD__SPAN_OPEN};
-    enum gd_status status =
-        append_span(covered, (struct gd__span){M_PI, M_PI, GD__SPAN_OPEN, GD__SPAN_OPEN});
-    if (status) return status;
+    append_span(covered, (struct gd__span){M_PI, M_PI, GD__SPAN_OPEN, GD__SPAN_OPEN});
     sort_by_start(covered);
     out->count = 0;
-    for (uint32_t i = 0; i < covered->count && !status; i++) {
+    if (covered->status) out->status = covered->status;
+    for (uint32_t i = 0; i < covered->count && !out->status; i++) {
         struct gd__span next = covered->span[i];
         free.to = next.from;
         free.to_by = next.from_by;
-        if (free.to - free.from > least) status = append_span(out, free);
+        if (free.to - free.from > least) append_span(out, free);
         if (next.to <= free.from) continue;
         free.from = next.to;
         free.from_by = next.to_by;
     }
-    return status;
 }
 
-enum gd_status gd__spans_cover_outside(const struct gd__turn *turn, struct gd__spans *covered,
-                                       struct gd__spans *scratch)
+void gd__spans_cover_outside(const struct gd__turn *turn, struct gd__spans *covered,
+                             struct gd__spans *scratch)
 {
     scratch->count = 0;
-    enum gd_status status = gd__spans_put(scratch, turn, GD__SPAN_OPEN);
-    return status ? status : gd__spans_invert(scratch, 0, covered);
+    gd__spans_put(scratch, turn, GD__SPAN_OPEN);
+    gd__spans_invert(scratch, 0, covered);
 }
 
 void gd__spans_join(struct gd__spans *spans)

@@ -43,27 +43,26 @@ static inline void gd__turn_narrow(struct gd__turn *turn, const struct gd__turn 
     turn->count = span->from < span->to;
 }
 
-/* A reused list of spans; an all-zero struct is empty. */
+/* A reused list of spans; an all-zero struct is empty. `status` is GD_NO_MEMORY if the list lacks
+ * spans because memory is short. It stays so, and lists that are computed from this list get it. */
 struct gd__spans {
     struct gd__span *span;
     uint32_t count, capacity;
+    enum gd_status status;
 };
 
-/* Appends the spans of `turn`. Each of their borders gets the number `by`. Error: GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__spans_put(struct gd__spans *spans, const struct gd__turn *turn,
-                                         uint32_t by);
+/* Appends the spans of `turn`. Each of their borders gets the number `by`. */
+void gd__spans_put(struct gd__spans *spans, const struct gd__turn *turn, uint32_t by);
 
 /* Computes the complement of `covered` in [-pi, pi], without spans of width `least` or less. A
  * border gets the number of the adjacent covered span's border, or GD__SPAN_OPEN at +-pi. Sorts
- * `covered`. Error: GD_NO_MEMORY. O(n^2) at worst. */
+ * `covered`. O(n^2) at worst. */
 #define GD__SPAN_OPEN UINT32_MAX
-GD_MUST_USE enum gd_status gd__spans_invert(struct gd__spans *covered, double least,
-                                            struct gd__spans *out);
+void gd__spans_invert(struct gd__spans *covered, double least, struct gd__spans *out);
 
-/* Sets `covered` to the complement of `turn`. `scratch` is overwritten. Error: GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__spans_cover_outside(const struct gd__turn *turn,
-                                                   struct gd__spans *covered,
-                                                   struct gd__spans *scratch);
+/* Sets `covered` to the complement of `turn`. `scratch` is overwritten. */
+void gd__spans_cover_outside(const struct gd__turn *turn, struct gd__spans *covered,
+                             struct gd__spans *scratch);
 
 /* Joins the first and the last span if they meet at +-pi. The joined span extends beyond pi. */
 void gd__spans_join(struct gd__spans *spans);

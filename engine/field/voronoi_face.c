@@ -139,21 +139,19 @@ static double slack_against(const struct work *work, uint32_t third, uint32_t i,
     return takes_tie(work, third, of_same) ? -work->slack : work->slack;
 }
 
-static enum gd_status cover_by_others(const struct work *work, const struct gd__branch *branch,
-                                      uint32_t i, uint32_t j)
+static void cover_by_others(const struct work *work, const struct gd__branch *branch, uint32_t i,
+                            uint32_t j)
 {
-    const struct gd__sources *sources = &work->scratch->sources;
-    enum gd_status status = GD_OK;
-    for (uint32_t k = 0; k < sources->count && !status; k++) {
+    struct gd__sources *sources = &work->scratch->sources;
+    for (uint32_t k = 0; k < sources->count; k++) {
         if (k == i || k == j || is_out_of_reach(work, i, k) || is_out_of_reach(work, j, k))
             continue;
         struct gd__focus focus = nudged_focus(work, k);
         struct gd__turn lost = gd__branch_lost_to(branch, &focus, slack_against(work, k, i, j));
         gd__branch_narrow_to_view(work->diagram->field, &sources->frame, branch,
                                   &sources->source[k], &lost);
-        status = gd__spans_put(&work->scratch->sources.covered, &lost, k);
+        gd__spans_put(&sources->covered, &lost, k);
     }
-    return status;
 }
 
 /* Appends the parts of the branch of two sources. The first source is a point unless both are
@@ -173,10 +171,11 @@ static enum gd_status append_between(const struct work *work, uint32_t i, uint32
         gd__branch_domain(work->diagram->field, &scratch->sources, &branch, (uint32_t[2]){i, j}, 0);
     if (!domain.count) return GD_OK;
     struct gd__spans *spans = &scratch->sources.spans, *covered = &scratch->sources.covered;
-    enum gd_status status = gd__spans_cover_outside(&domain, covered, spans);
-    if (!status) status = cover_by_others(work, &branch, i, j);
-    if (!status) status = gd__spans_invert(covered, GD_TOL_SPAN, spans);
-    if (!status) gd__spans_join(spans);
+    gd__spans_cover_outside(&domain, covered, spans);
+    cover_by_others(work, &branch, i, j);
+    gd__spans_invert(covered, GD_TOL_SPAN, spans);
+    gd__spans_join(spans);
+    enum gd_status status = spans->status;
     for (uint32_t k = 0; k < spans->count && !status; k++)
         status = append_bisector_part(work, &branch, (uint32_t[2]){i, j}, &spans->span[k]);
     return status;
