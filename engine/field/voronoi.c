@@ -11,7 +11,8 @@
  * bisectors in faces, and the lines that the parts form. */
 
 enum {
-    CHECK_INTERVAL = 16, /* edges or faces with more than one owner */
+    /* steps of pace.h for an edge or face with more than one owner */
+    STEPS_OF_ELEMENT = GD__PACE_STEPS / 16,
     /* limit on rounds of settle_owners; one round suffices unless ties are nested, which is rare */
     ROUNDS_MOST = 4
 };
@@ -110,14 +111,12 @@ struct tracer {
     struct gd__diagram diagram;
     struct gd__voronoi_scratch scratch;
     const struct gd_control *control;
-    uint32_t work;
 };
 
 static enum gd_status check_work(struct tracer *tracer, double fraction)
 {
     tracer->scratch.pace.fraction = fraction;
-    if (tracer->work++ % CHECK_INTERVAL) return GD_OK;
-    return gd_control_check(tracer->control, fraction);
+    return gd__pace_step(&tracer->scratch.pace, STEPS_OF_ELEMENT);
 }
 
 static bool is_reached(const struct gd__diagram *diagram, uint32_t edge)

@@ -198,8 +198,6 @@ enum gd_status gd__members_change(const struct gd_field *field, const uint32_t *
 
 /* --- points on segments ----------------------------------------------------------------------- */
 
-enum { CHECK_INTERVAL = 4096 /* pairs of seeds */ };
-
 /* Returns true if a point seed lies on a segment seed in the same face, and the segment is at least
  * as near there, up to the nudge. */
 static bool is_covered(const struct gd_field *field, uint32_t face, const struct gd__seed *point,
@@ -213,21 +211,16 @@ static bool is_covered(const struct gd_field *field, uint32_t face, const struct
            segment->offset + height <= point->offset + slack;
 }
 
-/* Checks the control at intervals. */
-struct watch {
-    const struct gd_control *control;
-    uint32_t work;
-};
-
 static enum gd_status settle_point(const struct gd_field *field, const struct gd__face_seed *point,
-                                   struct gd__members *members, struct watch *watch, bool *changed)
+                                   struct gd__members *members, struct gd__pace *pace,
+                                   bool *changed)
 {
     uint32_t *of = members->of + field->mesh->vertex_count;
     struct gd__face_seeds f = gd__field_seeds_in(field, point->face);
     enum gd_status status = GD_OK;
     for (; f.at < f.end && !status; f.at++) {
         const struct gd__seed *segment = &field->seeds[f.at->seed];
-        if (watch->work++ % CHECK_INTERVAL == 0) status = gd_control_check(watch->control, 0);
+        status = gd__pace_step(pace, 2);
         if (!segment->is_segment || of[f.at->seed] == of[point->seed]) continue;
         if (!is_covered(field, point->face, &field->seeds[point->seed], segment,
                         GD_TOL_TIE * members->farthest))
@@ -242,12 +235,12 @@ static enum gd_status settle_point(const struct gd_field *field, const struct gd
 enum gd_status gd__members_settle(const struct gd_field *field, const struct gd_control *control,
                                   struct gd__members *members)
 {
-    struct watch watch = {.control = control};
+    struct gd__pace pace = {.control = control};
     bool changed = false;
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < field->face_seed_count && field->has_segments && !status; i++)
         if (!field->seeds[field->face_seeds[i].seed].is_segment)
-            status = settle_point(field, &field->face_seeds[i], members, &watch, &changed);
+            status = settle_point(field, &field->face_seeds[i], members, &pace, &changed);
     if (status || !changed) return status;
     for (uint32_t v = 0; v < field->mesh->vertex_count; v++) members->of[v] = GD_NONE;
     return find_owners(field, members);
