@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/large.h"
 #include "subdiv/grid.h"
@@ -20,10 +21,15 @@ static void grid_room_free(struct gd__grid_room *room)
     *room = (struct gd__grid_room){0};
 }
 
-/* Allocates the arrays of a grid of `level`; grid_room_free frees them. Error: GD_NO_MEMORY. */
-static enum gd_status grid_room_create(uint32_t level, struct gd__grid_room *out)
+/* Allocates the arrays of a grid of `level`; grid_room_free frees them. The caller holds `held`
+ * bytes. Errors: GD_NO_MEMORY, GD_BUDGET. */
+static enum gd_status grid_room_create(uint32_t level, const struct gd_control *control,
+                                       size_t held, struct gd__grid_room *out)
 {
     size_t side = ((size_t)1 << level) + 1;
+    enum gd_status status =
+        gd_control_afford(control, held + side * side * 2 * sizeof(struct gd_vec3));
+    if (status) return status;
     struct gd__grid_room room = {gd__large_array(side * side, sizeof *room.positions),
                                  gd__large_array(side * side, sizeof *room.normals)};
     if (!room.positions || !room.normals) {
@@ -112,68 +118,91 @@ static double off_sides(const struct fine *fine)
     return most;
 }
 
+/* LEVEL_LIMIT: the finest level that can be measured. DOUBTFUL_LEVELS: the error of a smooth
+ * surface decreases by 4 for each level, but between coarse levels it may decrease faster. So a
+ * face may need this many levels fewer than its error suggests. */
+enum { LEVEL_LIMIT = GD__LEVEL_MOST - FINER, DOUBTFUL_LEVELS = 2 };
+
+/* Returns a lower bound of the level that a face needs if the error of `level` is `off`. */
+static uint32_t least_level(uint32_t level, double off, double tolerance)
+{
+    double more = ceil(log2(off / tolerance) / 2) - DOUBTFUL_LEVELS;
+    return level + (uint32_t)fmin(fmax(more, 1), LEVEL_LIMIT);
+}
+
 struct search {
-    struct gd__walker *walker; /* a walker with enough stages for the finest grid */
-    struct gd__grid_room room; /* grows as needed */
-    uint32_t room_level;
+    struct gd__walker walker;  /* has enough stages for the finest grid */
+    struct gd__grid_room room; /* for the grids of the current level */
     double tolerance;
-    struct gd__pace *pace;
+    uint64_t most, settled; /* limit on the triangles, and triangles of the faces that are done */
+    struct gd__pace pace;
 };
 
-/* Finds the level of one face. */
-static enum gd_status find_level(struct search *search, uint32_t face, uint32_t least, uint8_t *out)
+/* Computes the error of `level` in one face. */
+static enum gd_status error_at(struct search *search, uint32_t face, uint32_t level, double *out)
 {
-    struct gd__walker *walker = search->walker;
-    struct gd__grid_room *room = &search->room;
-    for (uint32_t level = least; level <= GD__LEVEL_MOST - FINER; level++) {
-        uint32_t fine_level = level + FINER;
-        if (fine_level > search->room_level) {
-            struct gd__grid_room larger;
-            enum gd_status status = grid_room_create(fine_level, &larger);
-            if (status) return status;
-            grid_room_free(room);
-            *room = larger;
-            search->room_level = fine_level;
-        }
-        enum gd_status status = gd__grid(walker, face, fine_level, room, search->pace);
+    uint32_t cells = STEP << level;
+    enum gd_status status =
+        gd__grid(&search->walker, face, level + FINER, &search->room, &search->pace);
+    if (status) return status;
+    struct fine fine = {search->room.positions, search->room.normals, cells, cells + 1,
+                        search->walker.surface->rules->arity == 3};
+    *out = fmax(off_inside(&fine, &search->pace), off_sides(&fine));
+    return search->pace.status;
+}
+
+/* Measures the faces whose level in the tiling is `level`. Increments the level of those that need
+ * a finer one, and sets *open to true if there are any. Error: GD_TOO_LARGE (a face needs more than
+ * LEVEL_LIMIT levels, or all faces need more than `most` triangles). */
+static enum gd_status measure_level(struct search *search, uint32_t level,
+                                    struct gd__tiling *tiling, bool *open)
+{
+    const struct gd_subdivision *surface = tiling->surface;
+    uint32_t faces = surface->base.face_count;
+    uint64_t expected = 0;
+    *open = false;
+    for (uint32_t face = 0; face < faces; face++) {
+        double off;
+        if (tiling->face_level[face] != level) continue;
+        enum gd_status status = error_at(search, face, level, &off);
         if (status) return status;
-        uint32_t cells = 1u << fine_level;
-        struct fine fine = {room->positions, room->normals, cells, cells + 1,
-                            walker->surface->rules->arity == 3};
-        double off = fmax(off_inside(&fine, search->pace), off_sides(&fine));
-        if (search->pace->status) return search->pace->status;
-        if (off <= search->tolerance) {
-            *out = (uint8_t)level;
-            return GD_OK;
-        }
+        bool is_done = off <= search->tolerance;
+        uint32_t least = is_done ? level : least_level(level, off, search->tolerance);
+        *(is_done ? &search->settled : &expected) +=
+            gd__face_triangles(surface, UINT64_C(1) << least);
+        if (least > LEVEL_LIMIT || search->settled + expected > search->most) return GD_TOO_LARGE;
+        tiling->face_level[face] += !is_done;
+        *open = *open || !is_done;
     }
-    return GD_TOO_LARGE;
+    return GD_OK;
 }
 
 /* Sets the level of each face of a tiling to the coarsest level that satisfies `tolerance`. The
  * error of a level is measured at the vertices of the grid that is two levels finer. For a vertex
  * inside the face, the error is the distance from the triangles along the normal. For a vertex on a
- * side, it is the distance from the chord of the coarse edge. Error: GD_TOO_LARGE (a level beyond
- * GD__LEVEL_MOST is needed). */
-static enum gd_status chordal_levels(const struct gd_subdivision *surface, double tolerance,
-                                     const struct gd_control *control, struct gd__tiling *tiling)
+ * side, it is the distance from the chord of the coarse edge. All faces are measured at one level
+ * before any face is measured at the next one, so a tolerance that needs too many triangles is
+ * refused after little work. Errors: those of measure_level, GD_NO_MEMORY, GD_BUDGET. */
+static enum gd_status chordal_levels(struct gd__tiling *tiling, double tolerance, uint64_t most,
+                                     const struct gd_control *control)
 {
+    const struct gd_subdivision *surface = tiling->surface;
     /* a face with finer edges must have an inner vertex */
-    uint32_t least = surface->rules->arity == 4 ? 1 : 2, faces = surface->base.face_count;
-    struct gd__walker walker = {0};
-    struct gd__pace pace = {.control = control};
-    struct search search = {
-        .walker = &walker, .room_level = least + FINER, .tolerance = tolerance, .pace = &pace};
+    uint32_t least = surface->rules->arity == 4 ? 1 : 2;
+    struct search search = {.tolerance = tolerance, .most = most, .pace = {.control = control}};
     enum gd_status status =
-        gd__walker_create(&walker, surface, gd__grid_stages(GD__LEVEL_MOST), control);
-    if (!status) status = grid_room_create(search.room_level, &search.room);
-    for (uint32_t face = 0; !status && face < faces; face++) {
-        if (face % 16 == 0) status = gd_control_check(control, 0.5 * face / faces);
-        pace.fraction = 0.5 * face / faces;
-        if (!status) status = find_level(&search, face, least, &tiling->face_level[face]);
+        gd__walker_create(&search.walker, surface, gd__grid_stages(GD__LEVEL_MOST), control);
+    size_t held = tiling->arena.budget.held + search.walker.arena.budget.held;
+    bool open = true;
+    memset(tiling->face_level, (int)least, surface->base.face_count);
+    for (uint32_t level = least; !status && open; level++) {
+        search.pace.fraction = 0.5 - ldexp(0.5, (int)least - (int)level);
+        status = gd_control_check(control, search.pace.fraction);
+        if (!status) status = grid_room_create(level + FINER, control, held, &search.room);
+        if (!status) status = measure_level(&search, level, tiling, &open);
+        grid_room_free(&search.room);
     }
-    grid_room_free(&search.room);
-    gd__walker_free(&walker);
+    gd__walker_free(&search.walker);
     return status;
 }
 
@@ -212,22 +241,25 @@ static enum gd_status plan(const struct gd_subdivision *surface,
     uint32_t most =
         options->max_faces && options->max_faces < FACES_MOST ? options->max_faces : FACES_MOST;
     uint32_t level = options->level - (surface->split_first && options->level > 0);
+    bool has_tolerance = options->tolerance > 0;
     enum gd_status status = gd__tiling_create(surface, level, out);
-    if (!status && options->tolerance > 0)
-        status = chordal_levels(surface, options->tolerance, control, out);
-    if (status == GD_TOO_LARGE)
-        gd_fail(detail, status,
-                "a tolerance of %g asks for more than %d halvings: choose a larger one",
-                options->tolerance, GD__LEVEL_MOST - 2);
-    if (!status) {
-        status = gd__tiling_number(out, most);
-        if (status)
-            gd_fail(
-                detail, status,
-                "that would be %llu triangles, and at most %u are allowed: choose a coarser level",
-                (unsigned long long)out->triangles, most);
-    }
-    return status;
+    if (!status && has_tolerance) status = chordal_levels(out, options->tolerance, most, control);
+    if (!status) status = gd__tiling_number(out, most);
+    if (status != GD_TOO_LARGE) return status;
+    if (has_tolerance)
+        return gd_fail(detail, status,
+                       "a tolerance of %g needs more than %u triangles or more than %d halvings: "
+                       "choose a larger one",
+                       options->tolerance, most, LEVEL_LIMIT);
+    return gd_fail(
+        detail, status,
+        "that would be %llu triangles, and at most %u are allowed: choose a coarser level",
+        (unsigned long long)out->triangles, most);
+}
+
+static size_t discretization_bytes(size_t vertices, size_t corners)
+{
+    return vertices * BYTES_PER_VERTEX + corners * sizeof(uint32_t);
 }
 
 static enum gd_status discretize_create(const struct gd__tiling *tiling,
@@ -235,8 +267,7 @@ static enum gd_status discretize_create(const struct gd__tiling *tiling,
                                         struct gd_discretization *out)
 {
     size_t vertices = tiling->vertices, corners = 3 * tiling->triangles;
-    enum gd_status status =
-        gd_control_afford(control, vertices * BYTES_PER_VERTEX + corners * sizeof(uint32_t));
+    enum gd_status status = gd_control_afford(control, discretization_bytes(vertices, corners));
     if (status) return status;
     struct gd_discretization made = {.polygons = {.position_count = (uint32_t)vertices,
                                                   .polygon_count = (uint32_t)tiling->triangles}};
@@ -321,7 +352,9 @@ static enum gd_status place_vertices(const struct gd__tiling *tiling,
     struct gd__walker walker = {0};
     struct gd__grid_room room = {0};
     enum gd_status status = gd__walker_create(&walker, surface, gd__grid_stages(most), control);
-    if (!status) status = grid_room_create(most, &room);
+    size_t held = tiling->arena.budget.held + walker.arena.budget.held +
+                  discretization_bytes(tiling->vertices, 3 * tiling->triangles);
+    if (!status) status = grid_room_create(most, control, held, &room);
     struct gd__pace pace = {.control = control, .count = GD__PACE_STEPS};
     for (uint32_t face = 0; !status && face < faces; face++) {
         uint32_t level = gd__tiling_finest(tiling, face);

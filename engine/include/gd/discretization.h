@@ -44,9 +44,9 @@ void gd_discretization_free(struct gd_discretization *discretization);
  * side's chord. The measured distance is not a proven bound. `control` may be NULL. `options` may
  * be NULL, which means level 0. The caller frees `*out` by gd_discretization_free. Errors:
  * GD_INVALID_ARGUMENT (level, tolerance), GD_TOO_LARGE (more than max_faces, or the tolerance needs
- * a level above 12), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: linear time, about
- * 0.2 us a vertex and 10 us a level for each irregular control face; 120 bytes a vertex.
- * Thread-safe. */
+ * a level above 10; a tolerance far out of reach fails after a few coarse levels), GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: linear time, about 0.2 us a vertex and 10 us a level
+ * for each irregular control face; 120 bytes a vertex. Thread-safe. */
 GD_MUST_USE enum gd_status gd_discretize(const struct gd_subdivision *surface,
                                          const struct gd_discretize_options *options,
                                          const struct gd_control *control,

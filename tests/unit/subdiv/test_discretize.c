@@ -160,6 +160,43 @@ static bool count_looks(void *user, double fraction)
     return true;
 }
 
+/* A tolerance out of reach is refused before any fine grid is computed. */
+static void a_hopeless_tolerance_is_refused_early(void **state)
+{
+    (void)state;
+    struct gd_subdivision *cube = surface_from(CUBE, GD_SCHEME_CATMULL_CLARK);
+    const double tolerances[] = {1e-14, 1e-8};
+    for (int i = 0; i < 2; i++) {
+        struct gd_discretization fine;
+        struct gd_detail detail = {0};
+        uint32_t looks = 0;
+        const struct gd_control control = {.progress = count_looks, .user = &looks};
+        const struct gd_discretize_options options = {.tolerance = tolerances[i],
+                                                      .max_faces = 10000000};
+        assert_int_equal(gd_discretize(cube, &options, &control, &fine, &detail), GD_TOO_LARGE);
+        assert_non_null(strstr(detail.text, "choose a larger one"));
+        assert_true(looks < 20);
+    }
+    gd_subdivision_release(cube);
+}
+
+/* The grids that measure a tolerance are larger than the mesh of a single face. They count towards
+ * the budget. */
+static void grids_count_towards_the_budget(void **state)
+{
+    (void)state;
+    struct gd_subdivision *quad = surface_from(
+        "v 0 0 0\nv 1 0 0.3\nv 1 1 0\nv 0 1 0.3\nf 1 2 3 4\n", GD_SCHEME_CATMULL_CLARK);
+    struct gd_discretization fine;
+    const struct gd_discretize_options options = {.tolerance = 1e-5};
+    const struct gd_control small = {.budget_bytes = 4 << 20}, large = {.budget_bytes = 32 << 20};
+    assert_int_equal(gd_discretize(quad, &options, &small, &fine, NULL), GD_BUDGET);
+    assert_int_equal(gd_discretize(quad, &options, &large, &fine, NULL), GD_OK);
+    assert_true(fine.polygons.position_count * 120 < small.budget_bytes);
+    gd_discretization_free(&fine);
+    gd_subdivision_release(quad);
+}
+
 static bool stop_later(void *user, double fraction)
 {
     (void)fraction;
@@ -193,8 +230,12 @@ static void a_large_face_checks_the_control(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(levels), cmocka_unit_test(tolerances),
-                                       cmocka_unit_test(real_mesh), cmocka_unit_test(refusals),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(levels),
+                                       cmocka_unit_test(tolerances),
+                                       cmocka_unit_test(real_mesh),
+                                       cmocka_unit_test(refusals),
+                                       cmocka_unit_test(a_hopeless_tolerance_is_refused_early),
+                                       cmocka_unit_test(grids_count_towards_the_budget),
                                        cmocka_unit_test(a_large_face_checks_the_control)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
