@@ -449,25 +449,45 @@ static enum gd_status check_turns(const struct gd_parametric *surface, const int
     return GD_OK;
 }
 
-/* Rejects options that trimmed surfaces do not support. On these surfaces, parts of loops become
- * cubic pieces, and the classes of the paths are those of the shortest paths on the
- * tessellation. */
+/* On trimmed surfaces, parts of loops become cubic pieces, and the classes of the paths are those
+ * of the shortest paths on the tessellation. */
+const char *gd_geodesic_untrimmed_only(const struct gd_geodesic_options *options,
+                                       const struct gd_geodesic_members *members,
+                                       const char **reason)
+{
+    const char *classes = "a trimmed surface takes no initial curve and no turns; list all minima "
+                          "instead";
+    const struct {
+        bool is_there;
+        const char *name, *reason;
+    } all[] = {
+        {members->initial, "initial", classes},
+        {members->turns, "turns", classes},
+        {options->degree && options->degree != GD_GEODESIC_DEGREE, "degree",
+         "paths on a trimmed surface are cubic; leave the degree out"},
+        {options->control_points, "control_points",
+         "paths on a trimmed surface have as many control points as the tolerance needs; leave it "
+         "out"},
+        {options->all_minima && members->curve, "all_minima",
+         "on a trimmed surface all minima are listed between points only"}};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        if (!all[i].is_there) continue;
+        *reason = all[i].reason;
+        return all[i].name;
+    }
+    return NULL;
+}
+
 static enum gd_status check_trimmed(const struct gd_geodesic_request *request,
                                     const struct gd_geodesic_options *o, struct gd_detail *detail)
 {
-    if (request->initial || request->turns)
-        return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "a trimmed surface takes no initial curve and no turns: list all minima "
-                       "instead");
-    if (o->control_points || (o->degree && o->degree != GD_GEODESIC_DEGREE))
-        return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "paths in a trimmed domain have degree %d and as many control points as "
-                       "the tolerance needs",
-                       GD_GEODESIC_DEGREE);
-    if (o->all_minima && !(request->from->is_point && request->to->is_point))
-        return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "in a trimmed domain all minima are listed between points only");
-    return GD_OK;
+    const char *reason;
+    const struct gd_geodesic_members members = {.initial = request->initial != NULL,
+                                                .turns = request->turns != NULL,
+                                                .curve = !request->from->is_point ||
+                                                         !request->to->is_point};
+    if (!gd_geodesic_untrimmed_only(o, &members, &reason)) return GD_OK;
+    return gd_fail(detail, GD_INVALID_ARGUMENT, "%s", reason);
 }
 
 static enum gd_status geodesic_check(const struct gd_tessellation *tessellation,

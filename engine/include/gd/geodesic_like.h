@@ -53,6 +53,17 @@ struct gd_geodesic_options {
     uint32_t turn_limit;
 };
 
+/* The members that a request has in addition to its options. */
+struct gd_geodesic_members {
+    bool initial, turns, curve; /* `curve`: one of the ends is a curve */
+};
+
+/* Returns the name of the first member of the request that trimmed surfaces do not support, such as
+ * "degree", and sets *reason to a sentence. Returns NULL if there is none. O(1). */
+const char *gd_geodesic_untrimmed_only(const struct gd_geodesic_options *options,
+                                       const struct gd_geodesic_members *members,
+                                       const char **reason);
+
 struct gd_geodesic_request {
     const struct gd_domain_curve *from, *to;   /* points or curves of the tessellation's surface */
     const struct gd_geodesic_options *options; /* NULL means all zero */

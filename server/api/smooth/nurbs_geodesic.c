@@ -32,23 +32,11 @@ struct search {
 /* Rejects members that trimmed surfaces do not support. */
 static bool search_check_trimmed(const struct proto_geodesic *wanted, struct proto_problem *problem)
 {
-    const struct gd_geodesic_options *options = &wanted->options;
     const bool *is_curve = wanted->form->is_curve;
-    if (wanted->has_initial || wanted->has_turns)
-        return proto_problem_refuse(problem, wanted->has_initial ? "/initial" : "/turns",
-                                    "a trimmed surface takes no initial curve and no turns; list "
-                                    "all minima instead");
-    if (options->degree != GD_GEODESIC_DEGREE)
-        return proto_problem_refuse(problem, "/degree",
-                                    "paths on a trimmed surface have degree %d; leave it out",
-                                    GD_GEODESIC_DEGREE);
-    if (options->control_points)
-        return proto_problem_refuse(problem, "/control_points",
-                                    "paths on a trimmed surface have as many control points as "
-                                    "the tolerance needs; leave it out");
-    return !options->all_minima || !(is_curve[0] || is_curve[1]) ||
-           proto_problem_refuse(problem, "/all_minima",
-                                "on a trimmed surface all minima are listed between points only");
+    const struct gd_geodesic_members members = {wanted->has_initial, wanted->has_turns,
+                                                is_curve[0] || is_curve[1]};
+    const char *reason, *name = gd_geodesic_untrimmed_only(&wanted->options, &members, &reason);
+    return !name || proto_problem_refuse_member(problem, "", name, "%s", reason);
 }
 
 /* Decodes the request. On a surface without a tessellation, paths can't be computed; the problem
