@@ -107,8 +107,7 @@ static double leaves(const struct slab *slab, double a, double b, int *side)
 
 /* Returns the cut on the segment that ends at place i, the first place outside `cell`. */
 static struct cut find_cut(const struct gd_parametric *surface,
-                           const struct gd__uv_polyline *polyline, struct gd__cell cell, uint32_t i,
-                           double corner)
+                           const struct gd__uv_polyline *polyline, struct gd__cell cell, uint32_t i)
 {
     const double *a = polyline->at[i - 1], *b = polyline->at[i];
     double part[2];
@@ -123,13 +122,11 @@ static struct cut find_cut(const struct gd_parametric *surface,
     cut.line = side[k] > 0 ? slab[k].high : slab[k].low;
     cut.along = a[1 - k] + part[k] * (b[1 - k] - a[1 - k]);
     cut.next.index[k] += side[k];
-    double width = slab[1 - k].high - slab[1 - k].low;
-    double near = isfinite(width) ? corner * width : slab[1 - k].slack * corner / GD_TOL_CELL;
     for (int s = -1; s <= 1; s += 2) {
         /* near a corner of four cells, the path continues directly in the opposite cell */
         double line = s > 0 ? slab[1 - k].high : slab[1 - k].low;
         uint32_t ahead = i + 2 < polyline->count ? i + 2 : polyline->count - 1;
-        if (fabs(cut.along - line) <= near &&
+        if (fabs(cut.along - line) <= slab[1 - k].slack &&
             s * (polyline->at[ahead][1 - k] - line) > slab[1 - k].slack)
             cut.next.index[1 - k] += s;
     }
@@ -137,15 +134,15 @@ static struct cut find_cut(const struct gd_parametric *surface,
 }
 
 static enum gd_status find_cuts(const struct gd_parametric *surface,
-                                const struct gd__uv_polyline *polyline, double corner,
-                                struct gd__cell *cell, struct cuts *out)
+                                const struct gd__uv_polyline *polyline, struct gd__cell *cell,
+                                struct cuts *out)
 {
     *cell = first_cell(surface, polyline);
     struct gd__cell now = *cell;
     enum gd_status status = GD_OK;
     uint32_t i = first_outside(surface, polyline, now, 1);
     while (i < polyline->count && !status) {
-        struct cut cut = find_cut(surface, polyline, now, i, corner);
+        struct cut cut = find_cut(surface, polyline, now, i);
         now = cut.next;
         status = add_cut(out, &cut);
         i = first_outside(surface, polyline, now, i);
@@ -231,8 +228,7 @@ enum gd_status gd__chain_fit(const struct gd_parametric *surface,
 {
     struct cuts cuts = {0};
     struct gd__cell cell = gd__surface_cell(surface, polyline->at[0][0], polyline->at[0][1]);
-    enum gd_status status =
-        fit->whole ? GD_OK : find_cuts(surface, polyline, fit->corner, &cell, &cuts);
+    enum gd_status status = fit->whole ? GD_OK : find_cuts(surface, polyline, &cell, &cuts);
     uint32_t *spans = status ? NULL : share_spans(polyline, &cuts, fit->spans);
     if (!status && !spans) status = GD_NO_MEMORY;
     if (!status)

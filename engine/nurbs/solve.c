@@ -11,12 +11,13 @@ enum {
     COARSE_SPANS = 14, /* number of spans of a coarse curve, for each turn around the surface */
     FIRST_SPANS = 10,  /* the same for the first curve that is divided into pieces */
     CUT_MOST = 12,     /* largest number of fits of the curve to the cells */
-    /* largest number of consecutive fits of a curve that is stuck in a corner of four cells */
-    CORNERS_MOST = 2,
+    /* largest number of fits of a curve that is stuck in a corner of four cells */
+    CORNERS_MOST = 4,
     /* largest number of moves of an end from one interval of its curve to another */
     SLIDES_MOST = 256,
     STEPS_MOST = 1200, /* largest total number of Newton steps */
     PATIENCE = 12,     /* number of refinements after which a bent curve is abandoned */
+    ASTRAY_MOST = 3,   /* the same for a curve that strays from the surface */
     REFINE_MOST = 48,
     SPANS_MOST = 4096
 };
@@ -29,9 +30,9 @@ static const struct gd__newton_limits coarse = {12, 1e-7};
 /* If Newton's method does not converge, and a piece is shorter than this fraction of the path's
  * length, the curve is stuck in a corner of four cells. */
 static const double stuck = 1e-4;
-/* A stuck curve that passes a corner of four cells within this distance continues directly in the
- * opposite cell. The distance is a fraction of a cell's width. */
-static const double wide_corner = 3e-2;
+/* A stuck curve that passes the other side of a corner is this far from it, as a fraction of a
+ * cell's width. */
+static const double aside = 1e-2;
 /* Smallest width of the spans at the ends, as a fraction of a piece. Narrower spans would have a
  * wrong curvature because of rounding. */
 static const double shortest_end = 1e-4;
@@ -41,6 +42,9 @@ static const double most_bend = 100;
 /* A control point counts as in a pole if it is nearer to the pole than this fraction of the
  * domain's width. */
 static const double fallen = 1e-6;
+/* A curve that strays from the surface by more than this fraction of its length is replaced by the
+ * coarse curve. */
+static const double astray = 1e-3;
 /* Rounding error of a span's length, as a multiple of the rounding error at the chain's ends. */
 static const double noise = 8;
 /* A span is halved only if its error is more than this fraction of the greatest error. */
@@ -241,7 +245,7 @@ enum gd_status gd__solve_coarse(const struct gd__task *task, const struct gd__uv
                  turns_between(task->surface, polyline->at[0], polyline->at[polyline->count - 1]),
              spans =
                  task->control_points ? task->control_points - task->degree : COARSE_SPANS * turns;
-    struct gd__fit fit = {task->degree, spans, *from, *to, true, GD_TOL_CELL};
+    struct gd__fit fit = {task->degree, spans, *from, *to, true};
     struct gd__solution solution = {0};
     enum gd_status status =
         gd__chain_fit(task->surface, polyline, &fit, task->pace, &solution.chain);
@@ -259,19 +263,72 @@ enum gd_status gd__solve_coarse(const struct gd__task *task, const struct gd__uv
 
 /* --- cutting at lines ------------------------------------------------------------------------- */
 
-/* Fits the curve to the cells again. */
+/* Returns the shortest piece if the curve is stuck in a corner of four cells, otherwise NULL. */
+static const struct gd__piece *stuck_piece(const struct gd__solution *solution)
+{
+    const struct gd__chain *chain = solution->chain;
+    const struct gd__piece *shortest = NULL;
+    double least = stuck * solution->report.length;
+    for (uint32_t i = 0; i < chain->piece_count; i++) {
+        double length = sqrt(2 * gd__energy_value(chain, &chain->pieces[i]));
+        if (length < least) least = length, shortest = &chain->pieces[i];
+    }
+    return shortest;
+}
+
+/* A piece has shrunk into a corner of its cell. Replaces the places near this corner by a place in
+ * the opposite cell, so that the polyline passes the other side of the corner. */
+static enum gd_status pass_other_side(const struct gd__chain *chain, const struct gd__piece *piece,
+                                      struct gd__uv_polyline *polyline)
+{
+    double corner[2], off[2], at[2];
+    struct gd__uv_polyline around = {0};
+    for (int k = 0; k < 2; k++) {
+        const struct gd_axis *axis = chain->surface->axis[k];
+        bool is_line[2];
+        double line[2];
+        for (int side = 0; side < 2; side++)
+            line[side] = gd__axis_line(axis, piece->cell.index[k] + side, &is_line[side]);
+        bool is_high = line[1] - piece->points[0][k] < piece->points[0][k] - line[0];
+        if (!is_line[is_high]) return GD_OK; /* no other cell */
+        corner[k] = line[is_high];
+        off[k] = aside * (line[1] - line[0]);
+        at[k] = corner[k] + (is_high ? off[k] : -off[k]);
+    }
+    bool passed = false;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < polyline->count && !status; i++) {
+        const double *place = polyline->at[i];
+        bool is_near = fabs(place[0] - corner[0]) <= off[0] && fabs(place[1] - corner[1]) <= off[1];
+        bool is_end = i == 0 || i + 1 == polyline->count;
+        if (is_near && !passed && i) {
+            status = gd__uv_polyline_add(&around, at);
+            passed = true;
+        }
+        if (!status && (is_end || !is_near)) status = gd__uv_polyline_add(&around, place);
+    }
+    gd__uv_polyline_free(status ? &around : polyline);
+    if (status) return status;
+    *polyline = around;
+    gd__uv_polyline_measure(chain->surface, polyline);
+    return GD_OK;
+}
+
+/* Fits the curve to the cells again. If a piece of it is stuck in a corner of four cells, the curve
+ * then passes the other side of this corner. */
 static enum gd_status solve_cut(const struct gd__task *task, struct gd__solution *solution,
-                                double corner, uint32_t spans)
+                                const struct gd__piece *stuck_in, uint32_t spans)
 {
     struct gd__chain *old = solution->chain, *chain;
     struct gd__fit fit = {task->degree, spans, old->joints[0], old->joints[old->piece_count],
-                          false,        corner};
+                          false};
     settle_joint(&fit.from);
     settle_joint(&fit.to);
     struct gd__uv_polyline polyline;
     enum gd_status status = gd__uv_polyline_of_chain(old, &polyline);
     if (status) return status;
-    status = gd__chain_fit(task->surface, &polyline, &fit, task->pace, &chain);
+    if (stuck_in) status = pass_other_side(old, stuck_in, &polyline);
+    if (!status) status = gd__chain_fit(task->surface, &polyline, &fit, task->pace, &chain);
     gd__uv_polyline_free(&polyline);
     if (status) return status;
     free(old);
@@ -279,34 +336,23 @@ static enum gd_status solve_cut(const struct gd__task *task, struct gd__solution
     return GD_OK;
 }
 
-static bool has_short_piece(const struct gd__solution *solution)
-{
-    const struct gd__chain *chain = solution->chain;
-    for (uint32_t i = 0; i < chain->piece_count; i++)
-        if (sqrt(2 * gd__energy_value(chain, &chain->pieces[i])) < stuck * solution->report.length)
-            return true;
-    return false;
-}
-
 /* Applies Newton's method to the pieces. If the curve then leaves their cells, fits it to the cells
  * again and repeats. */
 static enum gd_status solve_settle(const struct gd__task *task, struct gd__solution *solution,
                                    bool begin, uint32_t spans, bool *settled)
 {
-    double corner = GD_TOL_CELL;
+    const struct gd__piece *piece = NULL;
     enum gd_status status = GD_OK;
     int corners = 0;
     *settled = false;
     for (int i = 0; i < CUT_MOST && !status && solution->iterations < STEPS_MOST; i++) {
-        if (begin || i) status = solve_cut(task, solution, corner, spans);
+        if (begin || i) status = solve_cut(task, solution, piece, spans);
         if (!status) status = newton(exact, solution);
         if (status) break;
-        corner = GD_TOL_CELL;
+        piece = NULL;
         if (slide_ends(solution)) continue;
-        if (!solution->report.converged && corners++ < CORNERS_MOST && has_short_piece(solution)) {
-            corner = wide_corner;
-            continue;
-        }
+        if (!solution->report.converged && corners++ < CORNERS_MOST) piece = stuck_piece(solution);
+        if (piece) continue;
         *settled = gd__chain_is_proper(solution->chain);
         if (*settled) break;
     }
@@ -455,9 +501,57 @@ bool gd__solution_is_bent(const struct gd__task *task, const struct gd__solution
     return sum * solution->report.length > most_bend;
 }
 
+/* Returns by how much a path may be too long: its length without the distance of its ends. */
+static double excess_of(const struct gd__solution *solution)
+{
+    struct gd_jet end[2];
+    for (int side = 0; side < 2; side++)
+        (void)gd__chain_velocity(solution->chain, side, &end[side]);
+    return solution->report.length - gd_vec3_distance(end[0].x, end[1].x);
+}
+
+static bool is_astray(const struct gd__solution *solution)
+{
+    return gd__chain_straying(solution->chain) > astray * solution->report.length;
+}
+
+/* Judges the curve after the last refinement. Where pieces stray far, the length is not that of a
+ * curve on the surface, and the coarse curve `spare` replaces it. If the curve is no geodesic,
+ * changes between refinements say nothing about its error. */
+static void judge(const struct gd__task *task, struct gd__solution *solution,
+                  struct gd__solution *spare)
+{
+    if (is_astray(solution)) {
+        struct gd__solution strayed = *solution;
+        *solution = *spare;
+        *spare = strayed;
+        solution->iterations = strayed.iterations;
+        solution->report.converged = false;
+    }
+    if (!solution->report.converged || gd__solution_is_bent(task, solution)) {
+        solution->converged = false;
+        solution->error = fmax(solution->error, excess_of(solution));
+    }
+    double fixed = gd__chain_rounding(solution->chain) + gd__chain_straying(solution->chain);
+    solution->error += fixed;
+    if (fixed > task->tolerance * solution->report.length) solution->converged = false;
+}
+
+/* Returns a copy of a chain, or NULL if out of memory. */
+static struct gd__chain *chain_copy(const struct gd__chain *chain)
+{
+    bool *unmarked = calloc(gd__chain_spans(chain), sizeof *unmarked);
+    struct gd__chain *copy = unmarked ? gd__chain_refine(chain, unmarked) : NULL;
+    free(unmarked);
+    return copy;
+}
+
 enum gd_status gd__solve_fine(const struct gd__task *task, struct gd__solution *solution)
 {
     bool settled, done = false;
+    struct gd__solution spare = *solution;
+    spare.chain = chain_copy(solution->chain);
+    if (!spare.chain) return GD_NO_MEMORY;
     solution->converged = false;
     const struct gd__chain *coarse_chain = solution->chain;
     const struct gd__piece *last = &coarse_chain->pieces[coarse_chain->piece_count - 1];
@@ -468,12 +562,11 @@ enum gd_status gd__solve_fine(const struct gd__task *task, struct gd__solution *
         status = solve_refine(task, solution, &done);
         if (gd__chain_spans(solution->chain) > SPANS_MOST || solution->iterations >= STEPS_MOST)
             break;
-        if (has_fallen(solution->chain) || (i >= PATIENCE && gd__solution_is_bent(task, solution)))
-            break;
+        if (has_fallen(solution->chain)) break;
+        if (i >= ASTRAY_MOST && is_astray(solution)) break;
+        if (i >= PATIENCE && gd__solution_is_bent(task, solution)) break;
     }
-    if (status) return status;
-    double fixed = gd__chain_rounding(solution->chain) + gd__chain_straying(solution->chain);
-    solution->error += fixed;
-    if (fixed > task->tolerance * solution->report.length) solution->converged = false;
+    if (!status) judge(task, solution, &spare);
+    free(spare.chain);
     return status;
 }

@@ -48,13 +48,11 @@ struct gd__fit {
         spans; /* number of spans, distributed over the pieces by length; at least one each */
     struct gd__joint from, to;
     bool whole; /* true if the chain is one piece through all cells */
-    /* A path that passes a corner of four cells within this distance continues directly in the
-       opposite cell. The distance is a fraction of a cell's width. */
-    double corner;
 };
 
 /* Fits a chain to a polyline. Divides it where it crosses lines of the surface. Ignores parts that
- * leave a cell by less than GD_TOL_CELL of the cell's width. Errors: GD_NO_MEMORY, GD_BUDGET,
+ * leave a cell by less than GD_TOL_CELL of the cell's width. Within this distance of a corner of
+ * four cells, the chain continues directly in the opposite cell. Errors: GD_NO_MEMORY, GD_BUDGET,
  * GD_INTERNAL (more crossings than a shortest path has). */
 GD_MUST_USE enum gd_status gd__chain_fit(const struct gd_parametric *surface,
                                          const struct gd__uv_polyline *polyline,

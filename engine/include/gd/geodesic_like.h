@@ -87,7 +87,9 @@ struct gd_geodesic_piece {
 
 /* Warnings about a path, as bits of a number. */
 enum gd_geodesic_warning {
-    /* the tolerance was not met; `error` bounds the error of the length */
+    /* The tolerance was not met; `error` bounds the error of the length. If Newton's method did not
+       converge, this bound is the length without the distance of the ends in space. This is the
+       case if the shortest path bends where two creases of the surface cross. */
     GD_GEODESIC_NOT_CONVERGED = 1,
     GD_GEODESIC_BOUNDARY_CONTACT = 2, /* part of the path follows the border of the domain */
     /* the path ends at a corner or an end of a curve, so its angle with the curve may not be a

@@ -1,5 +1,6 @@
 /* Compares shortest paths on surfaces with closed forms, with lengths by Clairaut's relation and by
  * shooting, and with laws. */
+#include "gd/query.h"
 #include "tests/unit/nurbs/scene.h"
 
 #include "tests/unit/nurbs/shooting.h"
@@ -515,6 +516,86 @@ static void invalid_requests_are_refused(void **state)
     close_scene(&other);
 }
 
+/* Creates a sheet over the unit square with creases at u = 1/2 and v = 1/2. In each quarter it is
+ * bilinear. */
+static struct gd_parametric *creased_sheet(const double heights[3][3])
+{
+    static const double knots[5] = {0, 0, 0.5, 1, 1};
+    double points[9][3];
+    for (int i = 0; i < 9; i++)
+        memcpy(points[i], (double[3]){i / 3 / 2.0, i % 3 / 2.0, heights[i / 3][i % 3]},
+               sizeof *points);
+    return surface_of(&(struct gd_nurbs_data){.degree_u = 1,
+                                              .degree_v = 1,
+                                              .count_u = 3,
+                                              .count_v = 3,
+                                              .knots_u = knots,
+                                              .knots_v = knots,
+                                              .knot_count_u = 5,
+                                              .knot_count_v = 5,
+                                              .points = (const double(*)[3])points});
+}
+
+/* Returns the exact distance on a fine tessellation. */
+static double distance_on_mesh(const struct gd_parametric *surface, const double from[2],
+                               const double to[2])
+{
+    struct gd_tessellation *fine;
+    struct gd_point ends[2];
+    struct gd_pair_answer pair = {0};
+    check_ok(gd_tessellation_build(surface, &(struct gd_tessellation_options){.faces = 20000}, NULL,
+                                   &fine, NULL),
+             NULL);
+    check_ok(gd_tessellation_point(fine, from[0], from[1], &ends[0], NULL), NULL);
+    check_ok(gd_tessellation_point(fine, to[0], to[1], &ends[1], NULL), NULL);
+    check_ok(gd_pair_solve(gd_tessellation_mesh(fine),
+                           &(struct gd_pair_request){.from = &ends[0], .to = &ends[1]}, NULL, &pair,
+                           NULL),
+             NULL);
+    double distance = pair.distance;
+    gd_pair_answer_free(&pair);
+    gd_tessellation_release(fine);
+    return distance;
+}
+
+/* The curve that passes the corner of two creases on one side shrinks into the corner. The shortest
+ * path passes on the other side. */
+static void a_path_passes_the_right_side_of_a_corner_of_creases(void **state)
+{
+    (void)state;
+    static const double heights[3][3] = {{0.3, 0.8, 0.3}, {0.8, 0.3, 0.2}, {-0.5, -0.3, 0.4}};
+    const double from[2] = {0.083, 0.445}, to[2] = {0.948, 0.569};
+    struct scene scene = open_scene(creased_sheet(heights));
+    struct gd_geodesics found = solve(&scene, point_at(scene.surface, from[0], from[1]),
+                                      point_at(scene.surface, to[0], to[1]), NULL);
+    assert_int_equal(found.items[0].warnings, 0);
+    assert_true(found.items[0].is_minimum);
+    check_close(found.items[0].length, distance_on_mesh(scene.surface, from, to), 2e-5);
+    gd_geodesics_free(&found);
+    close_scene(&scene);
+}
+
+/* The quarters of this sheet are flat. The shortest path goes through the corner, where it bends.
+ * No geodesic of the quarters reaches it, but the result is a curve on the surface, and its error
+ * is true. */
+static void a_path_through_a_corner_of_creases_has_a_true_error(void **state)
+{
+    (void)state;
+    static const double heights[3][3] = {
+        {0, -0.11, 0.27}, {0.49, 0.38, 0.76}, {-0.38, -0.49, -0.11}};
+    const double from[2] = {0.12, 0.445}, to[2] = {0.715, 0.544};
+    struct scene scene = open_scene(creased_sheet(heights));
+    struct gd_geodesics found = solve(&scene, point_at(scene.surface, from[0], from[1]),
+                                      point_at(scene.surface, to[0], to[1]), NULL);
+    const struct gd_geodesic *path = &found.items[0];
+    double exact = distance_on_mesh(scene.surface, from, to);
+    assert_true(path->warnings & GD_GEODESIC_NOT_CONVERGED);
+    assert_true(path->length >= exact && path->length < 1.001 * exact);
+    assert_true(path->error >= path->length - exact && path->error < path->length);
+    gd_geodesics_free(&found);
+    close_scene(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -527,6 +608,8 @@ int main(void)
         cmocka_unit_test(errors_at_a_seam_with_two_speeds_are_estimated),
         cmocka_unit_test(nearly_opposite_points),
         cmocka_unit_test(path_ends_near_a_knot_line),
+        cmocka_unit_test(a_path_passes_the_right_side_of_a_corner_of_creases),
+        cmocka_unit_test(a_path_through_a_corner_of_creases_has_a_true_error),
         cmocka_unit_test(collinear_corners_do_not_matter),
         cmocka_unit_test(a_path_can_follow_the_border),
         cmocka_unit_test(meridians_of_a_torus),
