@@ -102,6 +102,17 @@ static enum gd_status nurbs_grid_divide(const struct cell_size *sizes, uint32_t 
     return GD_OK;
 }
 
+/* Returns the number of triangles of an untrimmed surface. A cell at a pole has only one. */
+static double triangles_of(const struct gd_parametric *surface, const struct gd__grid *grid)
+{
+    double count = 2.0 * grid->steps[0] * grid->steps[1];
+    for (int k = 0; k < 2; k++) {
+        const struct gd_axis *axis = surface->axis[k];
+        count -= (axis->pole_low + axis->pole_high) * (double)grid->steps[1 - k];
+    }
+    return count;
+}
+
 enum gd_status gd__grid_make(const struct gd_parametric *surface,
                              const struct gd_tessellation_options *options, struct gd__arena *arena,
                              struct gd__grid *out)
@@ -129,9 +140,10 @@ enum gd_status gd__grid_make(const struct gd_parametric *surface,
         status = nurbs_grid_divide(sizes[k], cells[k], &by, arena, &out->at[k], &out->steps[k]);
     }
     gd__arena_free(&scratch);
-    if (!status && 2.0 * out->steps[0] * out->steps[1] > GD_TESSELLATION_FACES_MAX)
-        status = GD_TOO_LARGE;
-    return status;
+    if (status) return status;
+    if (2.0 * out->steps[0] * out->steps[1] > GD_TESSELLATION_FACES_MAX) return GD_TOO_LARGE;
+    bool is_limited = options->max_faces && !surface->loops;
+    return is_limited && triangles_of(surface, out) > options->max_faces ? GD_TOO_LARGE : GD_OK;
 }
 
 uint32_t gd__grid_step(const struct gd__grid *grid, int axis, double t, double *part)

@@ -41,6 +41,7 @@ bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
         {.deviation = request.tolerance,
          /* if a tolerance is given, the least number of faces, so that only the tolerance counts */
          .faces = request.has_tolerance,
-         .steps = {request.resolution[0], request.resolution[1]}}};
+         .steps = {request.resolution[0], request.resolution[1]},
+         .max_faces = max_faces}};
     return true;
 }

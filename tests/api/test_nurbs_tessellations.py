@@ -110,5 +110,14 @@ class Tessellations(Nurbs):
         self.assert_problem(self.daemon.get("/v1/meshes/m"), 404, "not_found")
 
 
+class Limited(Nurbs):
+    surfaces = {"ring": TORUS}
+    flags = ("--max-faces", "5000")
+
+    def test_a_tolerance_beyond_max_faces(self):
+        problem = self.assert_problem(self.post("ring", "tessellate", {"mesh": "m", "tolerance": 1e-3}), 413, "too_large")
+        self.assertEqual((problem["limit"], problem["pointer"]), (5000, "/tolerance"))
+
+
 if __name__ == "__main__":
     unittest.main()

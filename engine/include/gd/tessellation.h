@@ -35,12 +35,15 @@ struct gd_tessellation_options {
     /* Numbers of equal steps in u and in v, which replace `faces` and `deviation`. Each is at least
        GD_TESSELLATION_STEPS_LEAST, or both are 0, which means unused. */
     uint32_t steps[2];
+    /* largest number of triangles of an untrimmed surface, at most GD_TESSELLATION_FACES_MAX; 0
+       means GD_TESSELLATION_FACES_MAX */
+    uint32_t max_faces;
 };
 
 /* Builds a tessellation; the caller owns `*out`. Errors: GD_INVALID_ARGUMENT (options out of
- * range), GD_TOO_LARGE (more than GD_TESSELLATION_FACES_MAX triangles), those of gd_mesh_build (the
- * grid is not a valid mesh, because the surface is flat or folds onto itself), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. O(faces). Thread-safe. */
+ * range), GD_TOO_LARGE (more than max_faces triangles; nothing is built then), those of
+ * gd_mesh_build (the grid is not a valid mesh, because the surface is flat or folds onto itself),
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. O(faces). Thread-safe. */
 GD_MUST_USE enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
                                                  const struct gd_tessellation_options *options,
                                                  const struct gd_control *control,

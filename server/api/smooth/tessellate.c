@@ -225,10 +225,13 @@ static enum server_query_turn tessellate_solve(struct server_query *query)
         server_query_fail(query, call.status, "the tessellation");
         if (call.status != GD_BUDGET)
             proto_problem_from_status(query->problem, call.status, &meshing->detail);
-        if (call.status == GD_TOO_LARGE)
-            proto_problem_exceed(query->problem, "/tolerance", GD_TESSELLATION_FACES_MAX,
-                                 "the tolerance needs more than %d triangles; choose a larger one",
-                                 GD_TESSELLATION_FACES_MAX);
+        if (call.status == GD_TOO_LARGE) {
+            uint32_t most = meshing->tessellate.options.max_faces;
+            if (most > GD_TESSELLATION_FACES_MAX) most = GD_TESSELLATION_FACES_MAX;
+            proto_problem_exceed(query->problem, "/tolerance", most,
+                                 "the tolerance needs more than %u triangles; choose a larger one",
+                                 most);
+        }
         return SERVER_QUERY_FAILED;
     }
     const struct mesher mesher = {&nurbs_format, meshing->tessellate.mesh.text,

@@ -123,6 +123,20 @@ static void limits_are_kept(void **state)
     gd_parametric_release(surface);
 }
 
+/* A tessellation of `faces` triangles is built if max_faces is this number, and refused before any
+ * vertex is evaluated if it is less. */
+static void check_limit(const struct gd_parametric *surface, struct gd_tessellation_options options,
+                        uint32_t faces)
+{
+    struct gd_tessellation *tessellation;
+    options.max_faces = faces;
+    check_ok(gd_tessellation_build(surface, &options, NULL, &tessellation, NULL), NULL);
+    gd_tessellation_release(tessellation);
+    options.max_faces = faces - 1;
+    assert_int_equal(gd_tessellation_build(surface, &options, NULL, &tessellation, NULL),
+                     GD_TOO_LARGE);
+}
+
 /* Steps are even and ignore the knots. Closed directions and poles are joined as usual. */
 static void steps_are_as_requested(void **state)
 {
@@ -145,6 +159,7 @@ static void steps_are_as_requested(void **state)
                          GD_TOO_LARGE);
         check_ok(gd_tessellation_build(surfaces[i], &right, NULL, &tessellation, NULL), NULL);
         const struct gd_mesh_summary *summary = gd_mesh_summary(gd_tessellation_mesh(tessellation));
+        check_limit(surfaces[i], right, (uint32_t)summary->faces);
         assert_int_equal(summary->vertices, vertices[i]);
         assert_int_equal(summary->faces, faces[i]);
         vertices_lie_on_the_surface(tessellation);
