@@ -448,7 +448,7 @@ static struct server_pending_build *pending_find(const struct server_mesh_cache 
 
 /* Called under the lock. Returns AGAIN if the field exists. Returns WAIT if this field is being
  * built. Otherwise returns BUILD if `may_build` is true and memory suffices, else SEARCH. After a
- * cancel of the workers returns SEARCH instead of WAIT. */
+ * cancel of the workers, and without a job, returns SEARCH instead of WAIT. */
 static enum server_cache_turn build_claim(struct server_mesh_cache *fields,
                                           const struct field_key *key, struct server_job *job,
                                           bool may_build, struct server_pending_build **out)
@@ -456,6 +456,7 @@ static enum server_cache_turn build_claim(struct server_mesh_cache *fields,
     struct server_cache *cache = fields->cache;
     struct server_pending_build *build = pending_find(fields, key);
     if (table_find_covering(fields, key)) return SERVER_CACHE_AGAIN;
+    if (build && !job) return SERVER_CACHE_SEARCH;
     if (build) {
         cache->statistics.waits++;
         return server_workers_park(cache->workers, job, build, 0) ? SERVER_CACHE_WAIT

@@ -108,7 +108,7 @@ enum server_cache_turn server_cache_enter(struct server_mesh_cache *fields,
 
 /* Like server_cache_enter, but the request needs the field and has no target. With SEARCH it sets
  * `*why`: GD_NO_MEMORY, GD_CANCELLED, or the error of a build of this field that failed less than a
- * second ago. */
+ * second ago. If `job` is NULL, returns SEARCH instead of WAIT. */
 enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
                                           const struct gd_field_request *request,
                                           struct server_job *job,

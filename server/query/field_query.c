@@ -7,6 +7,7 @@
 #include "server/base/thread.h"
 #include "server/fields/cache.h"
 #include "server/query/api.h"
+#include "server/work/executor.h"
 
 #define WHAT        "the field"
 #define SET_SHARE   0.2 /* fraction of the progress for locating the set, if that takes time */
@@ -35,12 +36,17 @@ bool server_query_locate_set(struct server_query *query, struct server_monitor *
     return !call.status;
 }
 
+static struct gd_field_request request_of(const struct proto_located_set *set, double max_distance)
+{
+    return (struct gd_field_request){
+        .seeds = set->seeds, .seed_count = set->seed_count, .radius = max_distance};
+}
+
 void server_field_query_of_located(struct server_query *query, const struct proto_located_set *set,
                                    double max_distance)
 {
     query->field.set = set;
-    query->field.request = (struct gd_field_request){
-        .seeds = set->seeds, .seed_count = set->seed_count, .radius = max_distance};
+    query->field.request = request_of(set, max_distance);
 }
 
 static bool set_end(struct server_query *query, struct proto_located_set *located)
@@ -138,18 +144,28 @@ size_t server_distances_only_grant(const struct gd_mesh *mesh)
     return BYTES_A_CALL + (size_t)gd_mesh_summary(mesh)->edges * RECORD_BYTES_AN_EDGE;
 }
 
+/* One build that a query must do. */
+struct build {
+    struct server_query *query;
+    struct gd_field_request request;
+    struct server_pending_build *pending;
+    struct server_monitor part;
+    bool is_ahead; /* true if the query repeats the build if it fails */
+    /* the results: a pinned field, or NULL and the reason */
+    const struct server_cached *cached;
+    enum gd_status status;
+};
+
 /* Builds the field and counts its propagated windows. */
-static enum gd_status field_make(struct server_query *query, struct server_monitor *part,
-                                 struct gd_field **out)
+static enum gd_status field_make(struct build *build, struct gd_field **out)
 {
-    struct server_host *host = part->exchange->host;
-    const struct gd_mesh *mesh = query->surface->mesh;
-    const struct gd_field_request *request = &query->field.request;
+    struct server_host *host = build->query->exchange->host;
+    const struct gd_mesh *mesh = build->query->surface->mesh;
     struct server_budgeted_call call = {.workspaces = host->workspaces,
-                                        .control = server_exchange_control(part),
+                                        .control = server_exchange_control(&build->part),
                                         .grant = server_field_build_grant(mesh)};
     while (server_budgeted_call_next(&call)) {
-        call.status = gd_field_build(mesh, request, &call.control, out, NULL);
+        call.status = gd_field_build(mesh, &build->request, &call.control, out, NULL);
         if (!call.status) call.kept = gd_field_memsize(*out);
     }
     if (call.status) return call.status;
@@ -157,26 +173,39 @@ static enum gd_status field_make(struct server_query *query, struct server_monit
     return GD_OK;
 }
 
+/* Builds the field and ends the pending build. */
+static void build_run(struct build *build)
+{
+    const struct server_exchange *exchange = build->query->exchange;
+    struct gd_field *field;
+    build->part.build = build->pending;
+    build->part.is_awaited = server_cache_is_awaited;
+    enum gd_status status = field_make(build, &field);
+    bool is_early = status == GD_DEADLINE && gd_now_ns() < exchange->job.deadline_ns;
+    if (build->part.is_over_limit || is_early) {
+        server_cache_abandon(build->pending);
+        status = GD_BUDGET;
+    } else if (status) {
+        server_cache_fail(build->pending, build->is_ahead ? GD_CANCELLED : status);
+    } else {
+        build->cached = server_cache_publish(build->pending, field);
+        if (!build->cached) status = GD_NO_MEMORY;
+    }
+    build->status = status;
+    if (exchange->host->spare) server_thread_wake(exchange->host->spare);
+}
+
 enum gd_status server_query_build_field(struct server_query *query, struct server_monitor part,
                                         const struct server_cached **out)
 {
-    struct server_pending_build *pending = query->field.build;
-    struct gd_field *field;
-    part.build = pending;
-    part.is_awaited = server_cache_is_awaited;
+    struct build build = {.query = query,
+                          .request = query->field.request,
+                          .pending = query->field.build,
+                          .part = part};
     query->field.build = NULL;
-    enum gd_status status = field_make(query, &part, &field);
-    *out = NULL;
-    bool is_early = status == GD_DEADLINE && gd_now_ns() < query->exchange->job.deadline_ns;
-    if (part.is_over_limit || is_early) {
-        server_cache_abandon(pending);
-        status = GD_BUDGET;
-    } else if (status)
-        server_cache_fail(pending, status);
-    else
-        *out = server_cache_publish(pending, field);
-    if (query->exchange->host->spare) server_thread_wake(query->exchange->host->spare);
-    return status || *out ? status : GD_NO_MEMORY;
+    build_run(&build);
+    *out = build.cached;
+    return build.status;
 }
 
 /* --- the steps -------------------------------------------------------------------------------- */
@@ -213,13 +242,42 @@ static enum server_query_turn field_answer_by_pin(struct server_query *query)
     return field_answer(query, pin, 0);
 }
 
+/* Claims the build of the field that the query names next, unless the field exists or another
+ * request builds it. */
+static bool next_claim(struct server_query *query, struct build *out)
+{
+    const struct proto_located_set *set = query->field.next;
+    enum gd_status why;
+    if (!set) return false;
+    *out = (struct build){.query = query, .request = request_of(set, 0), .is_ahead = true};
+    return server_cache_claim(query->surface->fields, &out->request, NULL, &out->pending, &why) ==
+           SERVER_CACHE_BUILD;
+}
+
+/* Runs a build of field_build. A field that is built ahead stays in the cache without a pin. */
+static void build_task(void *user, uint32_t number)
+{
+    struct build *build = (struct build *)user + number;
+    build_run(build);
+    if (build->is_ahead) server_cache_unpin(build->cached);
+}
+
 static enum server_query_turn field_build(struct server_query *query)
 {
-    const struct server_cached *cached;
-    enum gd_status status =
-        server_query_build_field(query, server_query_monitor(query, 0, BUILD_SHARE), &cached);
-    return status ? server_query_fail(query, status, WHAT)
-                  : field_answer(query, cached, BUILD_SHARE);
+    const struct server_exchange *exchange = query->exchange;
+    struct build builds[2] = {
+        {.query = query, .request = query->field.request, .pending = query->field.build}};
+    uint32_t count = 1 + next_claim(query, &builds[1]);
+    double share = BUILD_SHARE / count;
+    query->field.build = NULL;
+    for (uint32_t i = 0; i < count; i++)
+        builds[i].part = server_query_monitor(query, i * share, share);
+    const struct gd_executor *executor =
+        server_executor_start(exchange->host->workers, count, exchange->job.deadline_ns);
+    gd_executor_run(executor, build_task, builds, count);
+    server_executor_stop(executor);
+    return builds[0].status ? server_query_fail(query, builds[0].status, WHAT)
+                            : field_answer(query, builds[0].cached, BUILD_SHARE);
 }
 
 static enum server_cache_turn field_claim(struct server_query *query, enum gd_status *why)

@@ -73,6 +73,9 @@ struct server_field_query {
     struct server_resource *resource;   /* a reference to the owner of `set`, or NULL */
     const struct server_cached *pin;    /* the field if it was found but not yet used, or NULL */
     struct server_pending_build *build; /* the build that this query must do, or NULL */
+    /* the set whose complete field the query names next, or NULL; if both fields must be built,
+       they are built at the same time */
+    const struct proto_located_set *next;
 };
 
 struct server_query {

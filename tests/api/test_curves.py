@@ -175,6 +175,21 @@ class Curves(TestCase):
         self.assertLess(math.dist(farthest["b"]["point"]["xyz"], (0.3, 0.3, 0)), 1e-12)
         self.assertNotIn("closest", found)
 
+    def test_hausdorff_builds_missing_fields_together(self):
+        def counted(a, b):
+            names = "cache_builds_total", "cache_hits_total"
+            before = [self.daemon.metric(name) for name in names]
+            found = self.between("terrain", a, b, measure="hausdorff")
+            return found, [self.daemon.metric(name) - value for name, value in zip(names, before)]
+
+        a, b, c = ({"vertices": vertices} for vertices in ([0, 1], [200, 201], [300, 301]))
+        found, builds_and_hits = counted(a, b)
+        self.assertEqual(builds_and_hits, [2, 1])  # the query finds the second field in the cache
+        self.assertEqual(counted(a, b), (found, [0, 2]))
+        self.assertEqual(counted(a, c)[1], [1, 1])
+        found, builds_and_hits = counted(*[{"vertices": [400, 401]}] * 2)
+        self.assertEqual((found["distance"], builds_and_hits), (0, [1, 1]))
+
     def test_no_path(self):
         found = self.between("apart", {"vertices": [0, 1]}, {"vertices": [3, 4]})
         self.assertEqual(found, {"distance": None, "reason": "no_path", "closest": None, "path": None})

@@ -53,6 +53,7 @@ static bool curves_prepare(struct server_query *query)
     }
     proto_curve_distance_free(&curves->wanted);
     server_field_query_of_located(query, curves->set[A], 0);
+    if (curves->wanted.hausdorff) query->field.next = curves->set[B];
     return true;
 }
 
@@ -71,6 +72,7 @@ static enum server_query_turn curves_answer(struct server_query *query,
     if (status || !curves->wanted.hausdorff || source == B)
         return server_query_end_draft(query, status, "the curves");
     curves->source = B;
+    query->field.next = NULL;
     server_field_query_of_located(query, curves->set[B], 0);
     return SERVER_QUERY_AGAIN;
 }

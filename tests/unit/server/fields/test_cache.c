@@ -371,6 +371,21 @@ static void a_claim_after_a_failure_returns_its_error(void **state)
     publish_set(fixture, claim(fixture, &other.request), &other.request);
 }
 
+static void a_claim_without_a_job_does_not_wait(void **state)
+{
+    struct fixture *fixture = *state;
+    struct set set;
+    struct server_pending_build *build = claim(fixture, make_set(fixture, &set, 0, 0)),
+                                *none = NULL;
+    enum gd_status why = GD_OK;
+    assert_int_equal(server_cache_claim(fixture->fields, &set.request, NULL, &none, &why),
+                     SERVER_CACHE_SEARCH);
+    assert_null(none);
+    publish_set(fixture, build, &set.request);
+    assert_int_equal(server_cache_claim(fixture->fields, &set.request, NULL, &none, &why),
+                     SERVER_CACHE_AGAIN);
+}
+
 struct reader {
     struct fixture *fixture;
     uint32_t seed;
@@ -441,6 +456,7 @@ int main(void)
         TEST(fields_of_different_sets_differ),
         TEST(pairs_share_the_field_of_a_single_point),
         TEST(a_claim_after_a_failure_returns_its_error),
+        TEST(a_claim_without_a_job_does_not_wait),
         TEST(many_threads_at_once),
     };
 #undef TEST
