@@ -9,8 +9,6 @@
 #include "server/work/budgeted_call.h"
 #include "server/work/executor.h"
 
-#define SHARED_FACES 20000 /* two workers edit a mesh with more faces */
-
 static bool edits_fail(const struct server_edits *edits, enum gd_status status,
                        const struct gd_detail *detail, struct proto_problem *problem)
 {
@@ -32,8 +30,8 @@ bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
                                         .grant = gd_edit_cost(faces),
                                         .held = &edits->held};
     edits->budget = host->budget;
-    call.control.executor = server_executor_start(host->workers, faces > SHARED_FACES ? 2 : 1,
-                                                  part->exchange->job.deadline_ns);
+    call.control.executor =
+        server_executor_start_for(host->workers, faces, part->exchange->job.deadline_ns);
     steps.failed = &failed;
     while (server_budgeted_call_next(&call)) {
         detail.text[0] = '\0'; /* removes the text of an earlier attempt that had less memory */

@@ -9,6 +9,8 @@
 #define SLEEP_NS   1000000 /* longest sleep before a helper checks the queue of jobs */
 #define QUANTUM_NS 1000000 /* time after which a helper yields to waiting jobs */
 
+#define SHARED_FACES 20000 /* two threads work on a mesh with more faces */
+
 struct executor;
 
 struct helper {
@@ -120,6 +122,12 @@ const struct gd_executor *server_executor_start(struct server_workers *workers, 
         if (!server_workers_submit(workers, &executor->helpers[i].job)) executor_release(executor);
     }
     return &executor->base;
+}
+
+const struct gd_executor *server_executor_start_for(struct server_workers *workers, uint32_t faces,
+                                                    uint64_t deadline_ns)
+{
+    return server_executor_start(workers, faces > SHARED_FACES ? 2 : 1, deadline_ns);
 }
 
 void server_executor_stop(const struct gd_executor *base)

@@ -24,5 +24,10 @@
 const struct gd_executor *server_executor_start(struct server_workers *workers, uint32_t width,
                                                 uint64_t deadline_ns);
 
+/* Like server_executor_start, for work on a mesh of so many faces: with two threads. Returns NULL
+ * also if the mesh is too small to be shared. */
+const struct gd_executor *server_executor_start_for(struct server_workers *workers, uint32_t faces,
+                                                    uint64_t deadline_ns);
+
 /* Stops and frees the executor. NULL is allowed. */
 void server_executor_stop(const struct gd_executor *executor);

@@ -14,7 +14,6 @@
 
 #define BYTES_A_TRACE ((size_t)1 << 20)
 #define LINE_POINTS   500000 /* limit on the points of an answer */
-#define SHARED_EDGES  30000  /* two workers trace lines on a mesh with more edges */
 #define CORNER        1e-6   /* a curve has a corner where it turns by more than this, in radians */
 
 /* --- lines ------------------------------------------------------------------------------------ */
@@ -68,13 +67,12 @@ static enum server_query_turn lines_trace(struct lines_query *own, const struct 
 {
     struct server_query *query = &own->query;
     const struct tracer *tracer = query->kind->own;
-    uint32_t edges = gd_mesh_summary(query->surface->mesh)->edges;
-    size_t bytes = BYTES_A_TRACE + edges * tracer->bytes_an_edge +
+    const struct gd_mesh_summary *summary = gd_mesh_summary(query->surface->mesh);
+    size_t bytes = BYTES_A_TRACE + summary->edges * tracer->bytes_an_edge +
                    gd_field_statistics(field)->wedges * tracer->bytes_a_wedge;
     struct server_budgeted_call call = server_query_begin_call(query, NULL, bytes);
-    call.control.executor =
-        server_executor_start(query->exchange->host->workers, edges > SHARED_EDGES ? 2 : 1,
-                              query->exchange->job.deadline_ns);
+    call.control.executor = server_executor_start_for(
+        query->exchange->host->workers, summary->faces, query->exchange->job.deadline_ns);
     while (server_budgeted_call_next(&call)) {
         call.status = tracer->trace(own, field, members, &call.control);
         call.kept = own->found.bytes;

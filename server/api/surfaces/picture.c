@@ -19,8 +19,6 @@
 #define BYTES_PER_EDGE  32 /* bytes needed for each edge while an isoline is traced */
 #define BYTES_PER_PIXEL 32
 
-#define SHARED_FACES 20000 /* two workers draw a mesh with more faces */
-
 #define PATH_SHARE   0.3 /* shares of the work, for the progress of a job */
 #define LAYERS_SHARE 0.5
 #define MESH_SHARE   0.3
@@ -119,9 +117,8 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
                    (size_t)summary->faces * BYTES_PER_FACE +
                    (field ? (size_t)summary->edges * BYTES_PER_EDGE : 0);
     struct server_budgeted_call call = server_query_begin_call(query, &part, bytes);
-    call.control.executor =
-        server_executor_start(query->exchange->host->workers, summary->faces > SHARED_FACES ? 2 : 1,
-                              query->exchange->job.deadline_ns);
+    call.control.executor = server_executor_start_for(
+        query->exchange->host->workers, summary->faces, query->exchange->job.deadline_ns);
     while (server_budgeted_call_next(&call)) {
         call.status = format->render(wanted, &call.control, &picture->file, &picture->size);
         call.kept = picture->size;

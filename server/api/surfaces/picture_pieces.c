@@ -11,8 +11,6 @@
  * tube. */
 #define FLAT_LEAST 0.1
 
-#define SHARED_FACES 20000 /* two workers build a mesh with more faces */
-
 struct piece {
     struct gd_vec3 low, high; /* bounding box */
     struct gd_vec3 facing;    /* sum of the area vectors */
@@ -120,9 +118,8 @@ static bool mesh_build(struct server_picture_surface *surface, struct server_que
     struct gd_detail detail = {0};
     struct server_budgeted_call call = server_query_begin_call(
         query, NULL, gd_mesh_build_cost(polygons->polygon_count, polygons->position_count));
-    call.control.executor = server_executor_start(query->exchange->host->workers,
-                                                  polygons->polygon_count > SHARED_FACES ? 2 : 1,
-                                                  query->exchange->job.deadline_ns);
+    call.control.executor = server_executor_start_for(
+        query->exchange->host->workers, polygons->polygon_count, query->exchange->job.deadline_ns);
     while (server_budgeted_call_next(&call)) {
         call.status = gd_mesh_build(polygons, NULL, &call.control, &surface->pieces, &detail);
         if (!call.status) call.kept = gd_mesh_memsize(surface->pieces);
