@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "base/lanes.h"
 #include "base/slices.h"
 #include "render/legend.h"
 #include "render/request.h"
@@ -182,6 +183,14 @@ static enum gd_status direction_choose(const struct gd_mesh *mesh, struct gd_vec
     return arena->status ? arena->status : view_choose(&chooser, control, out);
 }
 
+/* Fills and shades bands, one after the other. */
+struct band_lane {
+    struct gd__raster raster;
+    struct gd__shade shade;
+};
+
+enum { BAND_LANES = 2 };
+
 /* The state of one picture. Before it is opened, all members except the request are zero. */
 struct studio {
     const struct gd_picture *picture;
@@ -192,10 +201,10 @@ struct studio {
     struct gd__legend legend;
     struct gd__scale scale; /* if there is a field */
     struct gd__camera camera;
-    struct gd__screen_point *points; /* per vertex */
-    struct gd__raster raster;
+    struct gd__screen_point *points;    /* per vertex */
+    struct band_lane lanes[BAND_LANES]; /* the second is open only if there are threads for it */
+    bool *band_is_drawn;
     struct gd__depth_buffer buffer;
-    struct gd__shade shade;
     struct gd__image image;
     struct gd__lines isolines;
     struct gd__layer_list layers;
@@ -278,51 +287,93 @@ static enum gd_status picture_aim(struct studio *studio, const struct subject *s
 
 /* --- the surface ------------------------------------------------------------------------------ */
 
+static void project_slice(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    const struct studio *studio = context;
+    (void)pace;
+    for (uint32_t v = begin; v < end; v++)
+        studio->points[v] = gd__camera_project(&studio->camera, studio->mesh->position[v]);
+}
+
+static enum gd_status project(struct studio *studio, const struct gd_control *control)
+{
+    struct gd__pace pace = {.control = control};
+    studio->points =
+        gd__arena_take(&studio->arena, studio->mesh->vertex_count, sizeof *studio->points);
+    if (!studio->points) return studio->arena.status;
+    gd__slices_run(&pace, studio->mesh->vertex_count, project_slice, studio);
+    return pace.status;
+}
+
+/* Opens the lanes of bands. */
+static enum gd_status open_lanes(struct studio *studio, const struct gd_control *control)
+{
+    struct gd__raster *raster = &studio->lanes[0].raster;
+    struct gd__shade *shade = &studio->lanes[0].shade;
+    struct gd__arena *arena = &studio->arena;
+    *raster = (struct gd__raster){.mesh = studio->mesh,
+                                  .points = studio->points,
+                                  .width = studio->legend.width,
+                                  .height = studio->legend.height,
+                                  .grid = GRID,
+                                  .rows = gd__raster_rows(studio->legend.width)};
+    *shade = (struct gd__shade){.raster = raster,
+                                .camera = &studio->camera,
+                                .palette = &studio->palette,
+                                .field = studio->picture->field,
+                                .range = studio->scale.range,
+                                .edges = studio->picture->edges};
+    enum gd_status status = gd__raster_open(raster, arena, control);
+    if (!status) status = gd__shade_open(shade, arena, control);
+    if (status || !control->executor) return status;
+    struct band_lane *other = &studio->lanes[1];
+    other->raster = gd__raster_copy(raster, arena);
+    other->shade = gd__shade_copy(shade, &other->raster, arena);
+    return arena->status;
+}
+
 static enum gd_status open_surface(struct studio *studio)
 {
-    const struct gd_mesh *mesh = studio->mesh;
-    studio->raster = (struct gd__raster){.mesh = mesh,
-                                         .points = studio->points,
-                                         .width = studio->legend.width,
-                                         .height = studio->legend.height,
-                                         .grid = GRID,
-                                         .rows = gd__raster_rows(studio->legend.width)};
-    studio->shade = (struct gd__shade){.raster = &studio->raster,
-                                       .camera = &studio->camera,
-                                       .palette = &studio->palette,
-                                       .field = studio->picture->field,
-                                       .range = studio->scale.range,
-                                       .edges = studio->picture->edges};
     struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
-    size_t pixels = (size_t)studio->raster.width * studio->raster.height;
+    size_t pixels = (size_t)studio->legend.width * studio->legend.height;
+    enum gd_status status = project(studio, &control);
     studio->image = (struct gd__image){
-        .width = studio->raster.width,
-        .height = studio->raster.height,
+        .width = studio->legend.width,
+        .height = studio->legend.height,
         .is_opaque = !studio->palette.is_transparent,
         .pixel = gd__arena_large(&studio->arena, pixels, sizeof *studio->image.pixel)};
-    enum gd_status status = gd__raster_open(&studio->raster, &studio->arena, &control);
-    if (!status) status = gd__shade_open(&studio->shade, &studio->arena, &control);
-    return status ? status
-                  : gd__depth_buffer_open(&studio->buffer, &studio->raster, &studio->arena);
+    if (!status) status = open_lanes(studio, &control);
+    studio->band_is_drawn = gd__arena_zeroed(&studio->arena, studio->lanes[0].raster.bands,
+                                             sizeof *studio->band_is_drawn);
+    return status
+               ? status
+               : gd__depth_buffer_open(&studio->buffer, &studio->lanes[0].raster, &studio->arena);
+}
+
+static enum gd_status draw_band(void *context, uint32_t number, uint32_t band,
+                                const struct gd_control *control)
+{
+    struct studio *studio = context;
+    struct band_lane *lane = &studio->lanes[number % BAND_LANES];
+    if (studio->band_is_drawn[band]) return GD_OK;
+    enum gd_status status = gd__raster_fill(&lane->raster, band, control);
+    if (!status) status = gd__shade_band(&lane->shade, band, control, &studio->image);
+    if (!status) gd__depth_buffer_take(&studio->buffer, &lane->raster, band);
+    studio->band_is_drawn[band] = !status;
+    return status;
 }
 
 static enum gd_status draw_surface(struct studio *studio)
 {
-    const struct gd_mesh *mesh = studio->mesh;
-    studio->points = gd__arena_take(&studio->arena, mesh->vertex_count, sizeof *studio->points);
-    if (!studio->points) return studio->arena.status;
-    for (uint32_t v = 0; v < mesh->vertex_count; v++)
-        studio->points[v] = gd__camera_project(&studio->camera, mesh->position[v]);
     enum gd_status status = open_surface(studio);
-    for (uint32_t band = 0; !status && band < studio->raster.bands; band++) {
-        struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
-        status = gd__raster_fill(&studio->raster, band, &control);
-        studio->share.done++;
-        if (!status) status = gd__shade_band(&studio->shade, band, &control, &studio->image);
-        if (!status) gd__depth_buffer_take(&studio->buffer, &studio->raster, band);
-        studio->share.done++;
-    }
-    return status;
+    struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
+    const struct gd__lanes lanes = {.executor = control.executor,
+                                    .control = &control,
+                                    .share = &studio->share,
+                                    .count = studio->lanes[0].raster.bands,
+                                    .make = draw_band,
+                                    .context = studio};
+    return status ? status : gd__lanes_run(&lanes);
 }
 
 /* --- lines ------------------------------------------------------------------------------------ */
@@ -456,7 +507,7 @@ static void set_up(struct studio *studio, const struct gd_picture *picture,
     if (studio->has_source) studio->source = gd_point_position(picture->mesh, &source);
     uint32_t isolines = gd__isoline_count(picture, &studio->scale);
     studio->share.control = control;
-    studio->share.total = 1 + 2 * ((height - 1) / gd__raster_rows(width) + 1) + isolines +
+    studio->share.total = 1 + ((height - 1) / gd__raster_rows(width) + 1) + isolines +
                           (isolines > 0) + picture->layer_count + (picture->path != NULL);
 }
 

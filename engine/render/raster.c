@@ -1,11 +1,12 @@
 #include "render/raster.h"
 
+#include "base/slices.h"
+
 #define SLACK 1e-3 /* rounding errors of x coordinates are below this, in samples */
 
 enum {
     FACE_WORK = 64,
-    CHECK_INTERVAL = 1 << 18, /* samples */
-    FACES_A_CHECK = 1 << 14
+    CHECK_INTERVAL = 1 << 18 /* samples */
 };
 
 /* --- the rows of a face ----------------------------------------------------------------------- */
@@ -185,66 +186,92 @@ enum gd_status gd__raster_fill(struct gd__raster *raster, uint32_t band,
 /* --- the bands' faces ------------------------------------------------------------------------- */
 
 struct span {
-    uint32_t from, to; /* the bands [from, to) that the face meets; none if both are equal */
+    uint16_t from, to; /* the bands [from, to) that the face meets; none if both are equal */
 };
 
-static struct span bands_of(const struct gd__raster *raster, uint32_t face)
-{
-    uint32_t height = raster->rows * raster->grid;
-    struct rows rows = rows_of(raster, face);
-    if (rows.from == rows.to) return (struct span){0, 0};
-    return (struct span){rows.from / height, (rows.to - 1) / height + 1};
-}
+struct listing {
+    const struct gd__raster *raster;
+    struct span *spans; /* per face */
+};
 
-/* Counts the faces of each band in first[band], and their sum in *total. */
-static enum gd_status count_faces(struct gd__raster *raster, const struct gd_control *control,
-                                  uint64_t *total)
+static void find_spans(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
 {
-    const struct gd_mesh *mesh = raster->mesh;
-    enum gd_status status = GD_OK;
-    for (uint32_t b = 0; b <= raster->bands; b++) raster->first[b] = 0;
-    for (uint32_t f = 0; f < mesh->face_count && !status; f++) {
-        struct span span = bands_of(raster, f);
-        for (uint32_t b = span.from; b < span.to; b++) raster->first[b]++;
-        *total += span.to - span.from;
-        if (f % FACES_A_CHECK == 0) status = gd_control_check(control, 0);
+    const struct listing *listing = context;
+    uint32_t height = listing->raster->rows * listing->raster->grid;
+    (void)pace;
+    for (uint32_t f = begin; f < end; f++) {
+        struct rows rows = rows_of(listing->raster, f);
+        listing->spans[f] = rows.from == rows.to
+                                ? (struct span){0, 0}
+                                : (struct span){(uint16_t)(rows.from / height),
+                                                (uint16_t)((rows.to - 1) / height + 1)};
     }
-    return status;
 }
 
 /* Lists the faces of each band, by a counting sort. */
-static enum gd_status list_faces(struct gd__raster *raster, struct gd__arena *arena,
-                                 const struct gd_control *control)
+static enum gd_status sort_faces(struct gd__raster *raster, const struct span *spans,
+                                 struct gd__arena *arena, struct gd__pace *pace)
 {
-    const struct gd_mesh *mesh = raster->mesh;
-    uint32_t *next = raster->first;
+    uint32_t *next = raster->first, faces = raster->mesh->face_count;
     uint64_t total = 0;
-    enum gd_status status = count_faces(raster, control, &total);
-    if (!status && total > UINT32_MAX) status = GD_NO_MEMORY;
-    if (status) return status;
+    for (uint32_t b = 0; b <= raster->bands; b++) next[b] = 0;
+    GD__PACED (pace, f, faces) {
+        for (uint32_t b = spans[f].from; b < spans[f].to; b++) next[b]++;
+        total += (uint32_t)(spans[f].to - spans[f].from);
+    }
+    if (pace->status) return pace->status;
+    if (total > UINT32_MAX) return GD_NO_MEMORY;
     raster->faces = gd__arena_take(arena, total + 1, sizeof *raster->faces);
     if (!raster->faces) return arena->status;
     for (uint32_t b = 1; b <= raster->bands; b++) next[b] += next[b - 1];
-    for (uint32_t f = mesh->face_count; f-- > 0 && !status;) {
-        struct span span = bands_of(raster, f);
-        for (uint32_t b = span.from; b < span.to; b++) raster->faces[--next[b]] = f;
-        if (f % FACES_A_CHECK == 0) status = gd_control_check(control, 0);
+    GD__PACED (pace, i, faces) {
+        const struct span *span = &spans[faces - 1 - i];
+        for (uint32_t b = span->from; b < span->to; b++) raster->faces[--next[b]] = faces - 1 - i;
     }
+    return pace->status;
+}
+
+static enum gd_status list_faces(struct gd__raster *raster, struct gd__arena *arena,
+                                 const struct gd_control *control)
+{
+    struct gd__pace pace = {.control = control};
+    struct gd__arena scratch = {.budget = arena->budget};
+    uint32_t faces = raster->mesh->face_count;
+    struct listing listing = {raster, gd__arena_take(&scratch, faces, sizeof *listing.spans)};
+    enum gd_status status = scratch.status;
+    if (!status) {
+        gd__slices_run(&pace, faces, find_spans, &listing);
+        status = pace.status;
+    }
+    if (!status) status = sort_faces(raster, listing.spans, arena, &pace);
+    gd__arena_free(&scratch);
     return status;
 }
 
 /* --- life ------------------------------------------------------------------------------------- */
 
+static void samples_open(struct gd__raster *raster, struct gd__arena *arena)
+{
+    size_t samples = (size_t)raster->rows * raster->width * raster->grid * raster->grid;
+    raster->depth = gd__arena_large(arena, samples, sizeof *raster->depth);
+    raster->face = gd__arena_large(arena, samples, sizeof *raster->face);
+}
+
+struct gd__raster gd__raster_copy(const struct gd__raster *raster, struct gd__arena *arena)
+{
+    struct gd__raster copy = *raster;
+    samples_open(&copy, arena);
+    return copy;
+}
+
 enum gd_status gd__raster_open(struct gd__raster *raster, struct gd__arena *arena,
                                const struct gd_control *control)
 {
     if (raster->rows > raster->height) raster->rows = raster->height;
-    size_t samples = (size_t)raster->rows * raster->width * raster->grid * raster->grid;
     raster->bands = (raster->height + raster->rows - 1) / raster->rows;
     raster->is_closed = gd_mesh_summary(raster->mesh)->boundaries == 0;
     raster->first = gd__arena_take(arena, raster->bands + (size_t)1, sizeof *raster->first);
-    raster->depth = gd__arena_large(arena, samples, sizeof *raster->depth);
-    raster->face = gd__arena_large(arena, samples, sizeof *raster->face);
+    samples_open(raster, arena);
     if (arena->status) return arena->status;
     return raster->bands > 1 ? list_faces(raster, arena, control) : GD_OK;
 }

@@ -35,11 +35,15 @@ struct gd__raster {
     uint32_t *face; /* faces of those samples; GD_NONE means no face */
 };
 
-/* Opens a raster with arrays in the arena and lists the faces of its bands. If the surface is
- * closed, faces that are seen from behind are omitted. Errors: GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE. */
+/* Opens a raster with arrays in the arena, and lists the faces of its bands on the threads of the
+ * control's executor. If the surface is closed, faces that are seen from behind are omitted.
+ * Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__raster_open(struct gd__raster *raster, struct gd__arena *arena,
                                            const struct gd_control *control);
+
+/* Returns a copy of an open raster that fills bands of its own. The copy's samples are in the
+ * arena, and its other arrays are those of the original. Failures are in the arena's status. */
+struct gd__raster gd__raster_copy(const struct gd__raster *raster, struct gd__arena *arena);
 
 /* Fills the samples of a band; `control` may be NULL. Errors: GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__raster_fill(struct gd__raster *raster, uint32_t band,

@@ -1,8 +1,10 @@
 #include "render/request.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/lanes.h"
 #include "gd/isoline.h"
 
 enum { WIDTH = 800, HEIGHT = 600, TICKS = 6 };
@@ -153,18 +155,86 @@ uint32_t gd__isoline_count(const struct gd_picture *picture, const struct gd__sc
     return picture->level_count ? picture->level_count : picture->isolines ? scale->count : 0;
 }
 
-static enum gd_status isoline_flatten(const struct gd__isoline_request *request,
-                                      const struct gd_isoline *isoline,
-                                      const struct gd_control *control)
+enum { TRACES = 2 /* number of isolines that exist at a time */ };
+
+/* Isolines that are traced at the same time. */
+struct round {
+    const struct gd__isoline_request *request;
+    const struct gd_isoline_index *index;
+    uint32_t first; /* the isoline of the first trace */
+    struct trace {
+        struct gd_path *lines; /* the polylines of an isoline, or NULL */
+        uint32_t count;
+    } traces[TRACES];
+};
+
+static void trace_free(struct trace *trace)
 {
-    const struct gd_mesh *mesh = request->picture->mesh;
-    enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < isoline->line_count && !status; i++) {
-        struct gd_path flat;
-        status = gd_isoline_flatten(mesh, &isoline->lines[i], request->tolerance, control, &flat);
+    for (uint32_t i = 0; i < trace->count; i++) gd_path_free(&trace->lines[i]);
+    free(trace->lines);
+    *trace = (struct trace){0};
+}
+
+static enum gd_status trace_flatten(struct trace *trace, const struct gd__isoline_request *request,
+                                    const struct gd_isoline *isoline,
+                                    const struct gd_control *control)
+{
+    size_t bytes = isoline->bytes + (isoline->line_count + (size_t)1) * sizeof *trace->lines;
+    enum gd_status status = gd_control_afford(control, bytes);
+    if (status) return status;
+    trace->lines = malloc((isoline->line_count + (size_t)1) * sizeof *trace->lines);
+    if (!trace->lines) return GD_NO_MEMORY;
+    while (trace->count < isoline->line_count && !status) {
+        struct gd_path *flat = &trace->lines[trace->count];
+        status = gd_isoline_flatten(request->picture->mesh, &isoline->lines[trace->count],
+                                    request->tolerance, control, flat);
         if (status) break;
-        status = request->take(request->own, &flat);
-        gd_path_free(&flat);
+        trace->count++;
+        bytes += flat->count * sizeof *flat->points;
+        status = gd_control_afford(control, bytes);
+    }
+    if (status) trace_free(trace);
+    return status;
+}
+
+static double level_at(const struct gd__isoline_request *request, uint32_t i)
+{
+    const struct gd_picture *picture = request->picture;
+    return picture->level_count ? picture->levels[i] : (i + UINT64_C(1)) * request->scale->step;
+}
+
+static enum gd_status trace_make(void *context, uint32_t lane, uint32_t i,
+                                 const struct gd_control *control)
+{
+    struct round *round = context;
+    struct gd_isoline isoline;
+    (void)lane;
+    if (round->traces[i].lines) return GD_OK;
+    double level = level_at(round->request, round->first + i);
+    enum gd_status status = gd_isoline_trace_indexed(round->index, level, control, &isoline);
+    if (status) return status;
+    status = trace_flatten(&round->traces[i], round->request, &isoline, control);
+    gd_isoline_free(&isoline);
+    return status;
+}
+
+/* Traces the isolines of a round, and calls `take` in the order of their levels. */
+static enum gd_status round_run(struct round *round, uint32_t count)
+{
+    const struct gd__isoline_request *request = round->request;
+    struct gd_control control = gd__share_control(request->share, request->budget->held);
+    const struct gd__lanes lanes = {.executor = control.executor,
+                                    .control = &control,
+                                    .share = request->share,
+                                    .count = count,
+                                    .make = trace_make,
+                                    .context = round};
+    enum gd_status status = gd__lanes_run(&lanes);
+    for (uint32_t i = 0; i < count; i++) {
+        struct trace *trace = &round->traces[i];
+        for (uint32_t k = 0; k < trace->count && !status; k++)
+            status = request->take(request->own, &trace->lines[k]);
+        trace_free(trace);
     }
     return status;
 }
@@ -172,18 +242,11 @@ static enum gd_status isoline_flatten(const struct gd__isoline_request *request,
 static enum gd_status isolines_trace(const struct gd__isoline_request *request,
                                      const struct gd_isoline_index *index)
 {
-    const struct gd_picture *picture = request->picture;
+    uint32_t count = gd__isoline_count(request->picture, request->scale);
     enum gd_status status = GD_OK;
-    for (uint32_t k = 0; k < gd__isoline_count(picture, request->scale) && !status; k++) {
-        struct gd_isoline isoline;
-        struct gd_control control = gd__share_control(request->share, request->budget->held);
-        double level =
-            picture->level_count ? picture->levels[k] : (k + UINT64_C(1)) * request->scale->step;
-        status = gd_isoline_trace_indexed(index, level, &control, &isoline);
-        request->share->done++;
-        if (status) break;
-        status = isoline_flatten(request, &isoline, &control);
-        gd_isoline_free(&isoline);
+    for (uint32_t k = 0; k < count && !status; k += TRACES) {
+        struct round round = {.request = request, .index = index, .first = k};
+        status = round_run(&round, count - k < TRACES ? count - k : TRACES);
     }
     return status;
 }

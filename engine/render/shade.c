@@ -1,5 +1,6 @@
 #include "render/shade.h"
 
+#include "base/slices.h"
 #include "mesh/canonical.h"
 
 /* A *fragment* is the part of a pixel that shows one face: all samples of the pixel with that face.
@@ -22,10 +23,7 @@ struct gd__fragment {
  * own normal by less than the crease angle. */
 
 #define CREASE 0.77F /* cosine of 40 degrees: sharper edges between faces stay visible */
-enum {
-    MOST = 64, /* limit on faces around a vertex for smooth normals */
-    CHECK_INTERVAL = 1 << 12
-};
+enum { MOST = 64 /* limit on faces around a vertex for smooth normals */ };
 
 static struct gd__normal normals_normal_of(const struct gd_mesh *mesh, uint32_t face)
 {
@@ -77,44 +75,73 @@ static void make_around(const struct gd_mesh *mesh, uint32_t vertex, const struc
     }
 }
 
+struct normals {
+    const struct gd_mesh *mesh;
+    struct gd__normal *flat;
+    struct gd__normal (*corners)[3];
+};
+
+static void make_flat(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    const struct normals *normals = context;
+    (void)pace;
+    for (uint32_t f = begin; f < end; f++) normals->flat[f] = normals_normal_of(normals->mesh, f);
+}
+
+static void make_corners(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    const struct normals *normals = context;
+    (void)pace;
+    for (uint32_t v = begin; v < end; v++)
+        make_around(normals->mesh, v, normals->flat, normals->corners);
+}
+
 /* Fills `corners` with three normals for each face, of any length except 0, and `flat` with one
  * unit normal for each face. Around a vertex with more than 64 faces, each corner has its face's
  * own normal. O(faces). Errors: GD_CANCELLED, GD_DEADLINE. */
-static enum gd_status normals_make(const struct gd_mesh *mesh, const struct gd_control *control,
-                                   struct gd__normal *flat, struct gd__normal (*corners)[3])
+static enum gd_status normals_make(struct normals *normals, const struct gd_control *control)
 {
-    enum gd_status status = GD_OK;
-    for (uint32_t f = 0; f < mesh->face_count && !status; f++) {
-        flat[f] = normals_normal_of(mesh, f);
-        if (f % CHECK_INTERVAL == 0) status = gd_control_check(control, 0);
-    }
-    for (uint32_t v = 0; v < mesh->vertex_count && !status; v++) {
-        make_around(mesh, v, flat, corners);
-        if (v % CHECK_INTERVAL == 0) status = gd_control_check(control, 0);
-    }
-    return status;
+    struct gd__pace pace = {.control = control};
+    gd__slices_run(&pace, normals->mesh->face_count, make_flat, normals);
+    gd__slices_run(&pace, normals->mesh->vertex_count, make_corners, normals);
+    return pace.status;
 }
 
 /* --- life ------------------------------------------------------------------------------------- */
+
+static void scratch_open(struct gd__shade *shade, struct gd__arena *arena)
+{
+    size_t pixels = (size_t)shade->raster->width * shade->raster->rows;
+    shade->fragment_count = 0;
+    shade->fragments = gd__arena_take(arena, BATCH, sizeof *shade->fragments);
+    shade->points = gd__arena_take(arena, BATCH, sizeof *shade->points);
+    shade->distances = gd__arena_take(arena, BATCH, sizeof *shade->distances);
+    shade->sum = gd__arena_take(arena, pixels, sizeof *shade->sum);
+}
 
 enum gd_status gd__shade_open(struct gd__shade *shade, struct gd__arena *arena,
                               const struct gd_control *control)
 {
     const struct gd_mesh *mesh = shade->raster->mesh;
-    size_t pixels = (size_t)shade->raster->width * shade->raster->rows;
-    shade->fragment_count = 0;
     for (int i = 0; i <= GD__SHADE_COLOURS; i++)
         shade->colours[i] = gd__colour_of_part((double)i / GD__SHADE_COLOURS);
-    shade->fragments = gd__arena_take(arena, BATCH, sizeof *shade->fragments);
-    shade->points = gd__arena_take(arena, BATCH, sizeof *shade->points);
-    shade->distances = gd__arena_take(arena, BATCH, sizeof *shade->distances);
-    shade->sum = gd__arena_take(arena, pixels, sizeof *shade->sum);
+    scratch_open(shade, arena);
     shade->corners = gd__arena_large(arena, mesh->face_count, sizeof *shade->corners);
     struct gd__arena scratch = {.budget = arena->budget, .status = arena->status};
-    struct gd__normal *flat = gd__arena_take(&scratch, mesh->face_count, sizeof *flat);
-    if (!scratch.status) scratch.status = normals_make(mesh, control, flat, shade->corners);
+    struct normals normals = {
+        mesh, gd__arena_take(&scratch, mesh->face_count, sizeof *normals.flat), shade->corners};
+    if (!scratch.status) scratch.status = normals_make(&normals, control);
     gd__arena_free(&scratch);
     return scratch.status;
+}
+
+struct gd__shade gd__shade_copy(const struct gd__shade *shade, const struct gd__raster *raster,
+                                struct gd__arena *arena)
+{
+    struct gd__shade copy = *shade;
+    copy.raster = raster;
+    scratch_open(&copy, arena);
+    return copy;
 }
 
 /* --- the colour of a fragment ----------------------------------------------------------------- */

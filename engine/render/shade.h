@@ -34,10 +34,16 @@ struct gd__shade {
     float (*sum)[4];
 };
 
-/* Opens a shade, whose public members the caller has set, with arrays in the arena. Errors:
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
+/* Opens a shade, whose public members the caller has set, with arrays in the arena. The
+ * threads of the control's executor compute the normals. Errors: GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__shade_open(struct gd__shade *shade, struct gd__arena *arena,
                                           const struct gd_control *control);
+
+/* Returns a copy of an open shade that colours bands of its own, those of `raster`. The copy's
+ * scratch arrays are in the arena. Failures are in the arena's status. */
+struct gd__shade gd__shade_copy(const struct gd__shade *shade, const struct gd__raster *raster,
+                                struct gd__arena *arena);
 
 /* Colours the image's rows of the band that the raster has filled. Errors: GD_NO_MEMORY, GD_BUDGET,
  * GD_CANCELLED, GD_DEADLINE. */

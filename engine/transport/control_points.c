@@ -5,7 +5,7 @@
 
 #include "gd/query.h"
 #include "line/route.h"
-#include "transport/lanes.h"
+#include "base/lanes.h"
 #include "wavefront/workspace.h"
 
 /* --- searches --------------------------------------------------------------------------------- */

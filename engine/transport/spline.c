@@ -5,7 +5,7 @@
 #include "line/straighten.h"
 #include "line/turn.h"
 #include "transport/control_points.h"
-#include "transport/lanes.h"
+#include "base/lanes.h"
 
 void gd_spline_free(struct gd_spline *spline)
 {

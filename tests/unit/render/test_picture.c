@@ -421,6 +421,35 @@ static void two_threads_choose_the_same_view(void **state)
     gd_mesh_release(mesh);
 }
 
+/* The surface has a boundary, several bands of rows, and more faces than a slice. An odd number of
+ * isolines leaves one of them alone. */
+static void pictures_do_not_depend_on_the_threads(void **state)
+{
+    (void)state;
+    enum gd_status (*const draw[])(const struct gd_picture *, const struct gd_control *, void **,
+                                   size_t *) = {gd_picture_png, gd_picture_svg, gd_picture_glb};
+    struct gd_mesh *mesh = test_sample("terrain", (double[SAMPLE_PARAMETERS]){80, 1}, NULL);
+    const struct gd_seed seed = {.point = {.kind = GD_POINT_VERTEX, .element = 40}};
+    struct gd_field *field;
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
+                            &field, NULL),
+             NULL);
+    const struct gd_picture picture = {.mesh = mesh, .field = field, .isolines = 15, .edges = true};
+    const struct gd_control both = {.executor = &two_threads};
+    for (int i = 0; i < 3; i++) {
+        void *one, *two;
+        size_t size, same;
+        check_ok(draw[i](&picture, NULL, &one, &size), NULL);
+        check_ok(draw[i](&picture, &both, &two, &same), NULL);
+        assert_int_equal(size, same);
+        assert_memory_equal(one, two, size);
+        free(one);
+        free(two);
+    }
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_triangle_has_its_area),
@@ -433,6 +462,7 @@ int main(void)
                                        cmocka_unit_test(random_pictures),
                                        cmocka_unit_test(an_svg_has_lines_and_an_image),
                                        cmocka_unit_test(the_control_is_checked),
-                                       cmocka_unit_test(two_threads_choose_the_same_view)};
+                                       cmocka_unit_test(two_threads_choose_the_same_view),
+                                       cmocka_unit_test(pictures_do_not_depend_on_the_threads)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
 /* Lanes: makes independent items one after the other or, with an executor, two at a time. More than
- * two are not possible, because a workspace has only one partner workspace. */
+ * two are not possible, because a workspace has only one partner workspace. The lanes share the
+ * control's workspace, so at most one of them may use it. */
 #pragma once
 
 #include "base/share.h"

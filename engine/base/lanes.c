@@ -1,4 +1,4 @@
-#include "transport/lanes.h"
+#include "base/lanes.h"
 
 #include <stdatomic.h>
 
