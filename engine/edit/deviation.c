@@ -2,7 +2,8 @@
  * the search for the nearest face of a sample ends as soon as it finds a face that is nearer than
  * the largest distance so far. Consecutive samples lie close to each other. So each search begins
  * at the nearest face of the previous sample and first walks to nearer neighbours. The walk alone
- * serves most samples. */
+ * serves most samples. A first pass over few vertices finds a distance that is nearly the largest,
+ * so that the other samples end early. */
 #include <stdatomic.h>
 
 #include "base/share.h"
@@ -13,6 +14,8 @@
 
 /* number of pace steps for one search, because a search takes some microseconds */
 #define STEPS_A_SEARCH 40
+
+#define SPARSE 64 /* the first pass measures every 64th vertex */
 
 struct farthest {
     struct gd__bvh_search search; /* a search whose keys are squared distances */
@@ -28,10 +31,27 @@ static double box_square_distance(const struct gd__bvh_search *search, const str
     return gd__box_square_distance(box, ((const struct farthest *)search)->q);
 }
 
+/* Returns the squared distance of the sample from the nearest corner of a face. */
+static double corner_square_distance(const struct farthest *farthest, uint32_t face)
+{
+    const struct gd_mesh *mesh = farthest->mesh;
+    double squared = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        struct gd_vec3 corner = mesh->position[mesh->origin[mesh->face_side[face][k]]];
+        struct gd_vec3 d = gd_vec3_sub(farthest->q, corner);
+        squared = fmin(squared, gd_vec3_dot(d, d));
+    }
+    return squared;
+}
+
+/* The distance from a corner is an upper bound, which often shows that the sample is not the
+ * farthest one. It is computed in a fraction of the time of the distance from the face. */
 static void visit_face(struct gd__bvh_search *search, uint32_t face)
 {
     struct farthest *farthest = (struct farthest *)search;
-    double squared = gd__face_square_distance(farthest->mesh, face, farthest->q);
+    double squared = corner_square_distance(farthest, face);
+    if (squared > farthest->largest)
+        squared = gd__face_square_distance(farthest->mesh, face, farthest->q);
     if (squared < farthest->best) {
         farthest->best = squared;
         farthest->face = face;
@@ -85,6 +105,7 @@ static double farthest_distance(const struct farthest *farthest)
 struct samples {
     const struct gd_mesh *from, *to; /* the distances of `from` from `to` */
     uint32_t kept;                   /* the first faces of `from` have no samples */
+    uint32_t stride;                 /* every stride-th vertex is a sample */
     double before;                   /* smaller distances need not be found */
     _Atomic double largest;
 };
@@ -105,7 +126,7 @@ static void measure_vertices(void *context, struct gd__pace *pace, uint32_t begi
     struct farthest farthest = farthest_from(samples->to, samples->before);
     double scale = from->unit / samples->to->unit;
     for (uint32_t v = begin; v < end && gd__pace(pace, STEPS_A_SEARCH); v++)
-        measure(&farthest, gd_vec3_scale(from->position[v], scale));
+        measure(&farthest, gd_vec3_scale(from->position[v * samples->stride], scale));
     samples_raise(samples, farthest_distance(&farthest));
 }
 
@@ -143,9 +164,13 @@ static enum gd_status measure_both(const struct gd_mesh *mesh, const struct gd_m
                                    uint32_t kept, const struct gd_control *control, double *out)
 {
     struct gd__pace pace = {.control = control, .fraction = 0};
-    struct samples vertices = {.from = mesh, .to = made};
-    if (kept < mesh->face_count)
+    struct samples vertices = {.from = mesh, .to = made, .stride = SPARSE};
+    if (kept < mesh->face_count) {
+        gd__slices_run(&pace, mesh->vertex_count / SPARSE, measure_vertices, &vertices);
+        vertices.stride = 1;
+        vertices.before = vertices.largest;
         gd__slices_run(&pace, mesh->vertex_count, measure_vertices, &vertices);
+    }
     pace.fraction = 0.3;
     struct samples middles = {.from = made, .to = mesh, .kept = kept, .before = vertices.largest};
     gd__slices_run(&pace, made->face_count, measure_middles, &middles);

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "base/pace.h"
+#include "base/slices.h"
 #include "mesh/topology.h"
 
 /* --- reading ---------------------------------------------------------------------------------- */
@@ -110,17 +110,31 @@ void gd__edited_keep(struct gd_edited *edited, uint32_t at, const struct gd_mesh
     edited->origins[at] = gd__origin_of(mesh, &point);
 }
 
+struct copying {
+    struct gd_edited *edited;
+    const struct gd_mesh *mesh;
+    const uint32_t *number;
+};
+
+/* Copies vertices in internal order, because they lie close together in memory. */
+static void copy_vertices(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    const struct copying *copying = context;
+    for (uint32_t v = begin; v < end && gd__pace(pace, 7); v++)
+        gd__edited_keep(copying->edited, copying->number[v], copying->mesh, v);
+}
+
 void gd__edited_copy(struct gd_edited *edited, const struct gd_mesh *mesh, uint32_t *number,
                      struct gd__pace *pace)
 {
+    struct copying copying = {edited, mesh, number};
     uint32_t *corner = edited->polygons.corners, count = 0;
     for (uint32_t i = 0; i < mesh->summary.index_count && gd__pace(pace, 1); i++) {
         uint32_t v = gd__edit_vertex(mesh, i);
         if (v != GD_NONE) number[v] = count++;
     }
-    /* vertices in internal order lie close together in memory */
-    for (uint32_t v = 0; v < mesh->vertex_count && gd__pace(pace, 8); v++)
-        gd__edited_keep(edited, number[v], mesh, v);
+    if (pace->status) return;
+    gd__slices_run(pace, mesh->vertex_count, copy_vertices, &copying);
     for (uint32_t i = 0; i < mesh->summary.face_index_count && gd__pace(pace, 1); i++) {
         uint32_t f = gd__edit_face(mesh, i);
         if (f == GD_NONE) continue;

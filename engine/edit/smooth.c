@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/arena.h"
-#include "base/pace.h"
+#include "base/slices.h"
 #include "edit/edited.h"
 #include "mesh/topology.h"
 
@@ -18,6 +18,7 @@ struct smoothing {
     struct gd__arena arena;
     struct gd_vec3 *place, *next; /* per internal vertex */
     bool *is_fixed;               /* per internal vertex */
+    bool *is_feature;             /* per edge: its ends are fixed */
 };
 
 static struct gd_vec3 face_normal(const struct gd_mesh *mesh, const struct gd_vec3 *place,
@@ -28,23 +29,34 @@ static struct gd_vec3 face_normal(const struct gd_mesh *mesh, const struct gd_ve
     return gd_vec3_cross(gd_vec3_sub(p[1], p[0]), gd_vec3_sub(p[2], p[0]));
 }
 
-/* Fixes the vertices of the boundary and the ends of sharp edges. An edge is sharp if the angle
- * between its faces exceeds options->feature_angle. */
+/* Finds the edges of the boundary and the sharp edges. An edge is sharp if the angle between its
+ * faces exceeds options->feature_angle. */
+static void find_features(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    const struct smoothing *smoothing = context;
+    const struct gd_mesh *mesh = smoothing->mesh;
+    double least = cos(smoothing->options->feature_angle);
+    for (uint32_t e = begin; e < end && gd__pace(pace, 1); e++) {
+        uint32_t left = mesh->side_face[2 * e], right = mesh->side_face[2 * e + 1];
+        bool is_feature = left == GD_NONE || right == GD_NONE;
+        if (!is_feature) {
+            struct gd_vec3 a = face_normal(mesh, mesh->position, left);
+            struct gd_vec3 b = face_normal(mesh, mesh->position, right);
+            is_feature = gd_vec3_dot(a, b) < least * gd_vec3_length(a) * gd_vec3_length(b);
+        }
+        smoothing->is_feature[e] = is_feature;
+    }
+}
+
+/* Fixes the ends of the edges that find_features finds. */
 static void fix_vertices(struct smoothing *smoothing)
 {
     const struct gd_mesh *mesh = smoothing->mesh;
-    double least = cos(smoothing->options->feature_angle);
-    for (uint32_t e = 0; e < mesh->edge_count && gd__pace(&smoothing->pace, 2); e++) {
-        uint32_t left = mesh->side_face[2 * e], right = mesh->side_face[2 * e + 1];
-        bool is_fixed = left == GD_NONE || right == GD_NONE;
-        if (!is_fixed) {
-            struct gd_vec3 a = face_normal(mesh, mesh->position, left);
-            struct gd_vec3 b = face_normal(mesh, mesh->position, right);
-            is_fixed = gd_vec3_dot(a, b) < least * gd_vec3_length(a) * gd_vec3_length(b);
-        }
-        for (int k = 0; k < 2 && is_fixed; k++)
-            smoothing->is_fixed[mesh->origin[2 * e + (uint32_t)k]] = true;
-    }
+    gd__slices_run(&smoothing->pace, mesh->edge_count, find_features, smoothing);
+    if (smoothing->pace.status) return;
+    GD__PACED (&smoothing->pace, e, mesh->edge_count)
+        for (uint32_t k = 0; k < 2 && smoothing->is_feature[e]; k++)
+            smoothing->is_fixed[mesh->origin[2 * e + k]] = true;
 }
 
 static struct gd_vec3 moved(const struct smoothing *smoothing, uint32_t vertex)
@@ -68,11 +80,16 @@ static struct gd_vec3 moved(const struct smoothing *smoothing, uint32_t vertex)
     return gd_vec3_add(p, gd_vec3_scale(way, STEP));
 }
 
+static void move_vertices(void *context, struct gd__pace *pace, uint32_t begin, uint32_t end)
+{
+    const struct smoothing *smoothing = context;
+    for (uint32_t v = begin; v < end && gd__pace(pace, 7); v++)
+        smoothing->next[v] = smoothing->is_fixed[v] ? smoothing->place[v] : moved(smoothing, v);
+}
+
 static void iterate(struct smoothing *smoothing)
 {
-    const struct gd_mesh *mesh = smoothing->mesh;
-    for (uint32_t v = 0; v < mesh->vertex_count && gd__pace(&smoothing->pace, 8); v++)
-        smoothing->next[v] = smoothing->is_fixed[v] ? smoothing->place[v] : moved(smoothing, v);
+    gd__slices_run(&smoothing->pace, smoothing->mesh->vertex_count, move_vertices, smoothing);
     struct gd_vec3 *place = smoothing->place;
     smoothing->place = smoothing->next;
     smoothing->next = place;
@@ -118,6 +135,8 @@ static enum gd_status smoothing_run(struct smoothing *smoothing, struct gd_edite
     smoothing->next = gd__arena_take(&smoothing->arena, bytes, 1);
     smoothing->is_fixed =
         gd__arena_zeroed(&smoothing->arena, mesh->vertex_count, sizeof *smoothing->is_fixed);
+    smoothing->is_feature =
+        gd__arena_take(&smoothing->arena, mesh->edge_count, sizeof *smoothing->is_feature);
     if (smoothing->arena.status) return smoothing->arena.status;
     memcpy(smoothing->place, mesh->position, bytes);
     fix_vertices(smoothing);

@@ -26,9 +26,9 @@ struct gd_control {
     void *user;
     struct gd_workspace *workspace; /* memory reused between calls, gd/workspace.h; may be NULL */
     /* Runs the parallel tasks of gd_read_polygons, gd_mesh_build, gd_edit_deviation, gd_edit_apply,
-       gd_simplify, gd_voronoi_trace and the functions of gd/picture.h. Results do not depend on it.
-       If NULL, these tasks run on the calling thread. All other work always runs on the calling
-       thread. */
+       gd_simplify, gd_smooth_mesh, gd_fill, gd_components, gd_voronoi_trace and the functions of
+       gd/picture.h. Results do not depend on it. If NULL, these tasks run on the calling thread.
+       All other work always runs on the calling thread. */
     const struct gd_executor *executor;
 };
 

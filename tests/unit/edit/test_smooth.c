@@ -1,4 +1,5 @@
 #include "edits.h"
+#include "tests/support/two_threads.h"
 
 static struct gd_edited smoothed(const struct gd_mesh *mesh, enum gd_smooth_direction direction)
 {
@@ -104,10 +105,35 @@ static void bad_options_and_control(void **state)
     gd_mesh_release(mesh);
 }
 
+/* The mesh has more vertices than a slice. */
+static void two_threads_move_vertices_to_the_same_places(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = test_sample("terrain", (double[SAMPLE_PARAMETERS]){120, 1}, NULL);
+    const struct gd_smooth_options options = {3, GD_SMOOTH_TANGENTIAL, 0.5};
+    const struct gd_control both = {.executor = &two_threads};
+    struct gd_edited one, two;
+    check_ok(gd_smooth_mesh(mesh, &options, NULL, &one, NULL), NULL);
+    check_ok(gd_smooth_mesh(mesh, &options, &both, &two, NULL), NULL);
+    uint32_t count = one.polygons.position_count;
+    assert_int_equal(count, two.polygons.position_count);
+    assert_memory_equal(one.polygons.positions, two.polygons.positions,
+                        count * sizeof *one.polygons.positions);
+    for (uint32_t i = 0; i < count; i++) {
+        assert_int_equal(one.origins[i].face, two.origins[i].face);
+        assert_memory_equal(one.origins[i].barycentric, two.origins[i].barycentric,
+                            sizeof one.origins[i].barycentric);
+    }
+    gd_edited_free(&one);
+    gd_edited_free(&two);
+    gd_mesh_release(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(noise_is_reduced), cmocka_unit_test(planes_stay_planes),
-        cmocka_unit_test(features_stay), cmocka_unit_test(bad_options_and_control)};
+        cmocka_unit_test(features_stay), cmocka_unit_test(bad_options_and_control),
+        cmocka_unit_test(two_threads_move_vertices_to_the_same_places)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
