@@ -122,6 +122,7 @@ def field_kinds(draw, field):
         "isolines": lambda: ("GET", f"{field}/isolines?count={draw.random.randint(1, 20)}{draw.pick('', '&format=f64', '&format=glb')}"),
         "isolines, arcs": lambda: ("POST", f"{field}/isolines", {"count": draw.random.randint(1, 20), "arcs": True}),
         "isolines, new field": lambda: ("POST", f"{MESH}/picture?format=svg", {"layers": [{"field": draw.set()}, {"isolines": {"count": 20}}]}),
+        "isolines, new field, glb": lambda: ("POST", f"{MESH}/picture?format=glb", {"layers": [{"field": draw.set()}, {"isolines": {"count": 20}}]}),
         "cut locus": lambda: ("POST", f"{MESH}/cut-locus", {"set": draw.set(), "min_angle": draw.random.uniform(0.1, 1)}, JOB),
         "cut locus of a field": lambda: ("GET", f"{field}/cut-locus?min_angle={draw.random.uniform(0.1, 1)}{draw.pick('', '&format=f64')}", None, JOB),
         "voronoi": lambda: ("POST", f"{MESH}/voronoi{draw.pick('', '?format=f64', '?format=npz')}", {"set": draw.set(6)}),
@@ -176,6 +177,8 @@ def surface_kinds(draw):
         "picture, lines": layers(lambda: {"trace": {"start": draw.point(), "fan": 9, "length": draw.length()}},
                                  lambda: {"path": {"from": draw.point(), "to": draw.point()}},
                                  lambda: {"curve": {"curve": draw.curve(), "operation": "shorten"}}),
+        "picture, splines": layers(lambda: {"spline": {"points": [draw.point() for _ in range(3)], "samples": 9}}),
+        "picture, glb": lambda: ("POST", f"{MESH}/picture?format=glb", {"layers": [{"path": {"from": draw.point(), "to": draw.point()}}]}),
         "picture, voronoi": layers(lambda: {"voronoi": {"set": draw.set()}}),
         "picture, cut locus": layers(lambda: {"cut_locus": {"set": draw.set(1), "min_angle": 0.1}}, headers=JOB),
         "picture, cut": layers(lambda: {"cut": {"curve": draw.curve(3, True)}}),
@@ -185,6 +188,7 @@ def surface_kinds(draw):
         "derive, components": derived("components"),
         "derive, fill": derived("fill"),
         "derive, smooth": derived("smooth"),
+        "derive, smooth and fill": lambda: ("POST", f"{MESH}/derive", {"mesh": "edited", "operations": [{"operation": "smooth"}, {"operation": "fill"}]}),
         "derive, subdivide": derived("subdivide", JOB),
     }
 
