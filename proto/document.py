@@ -163,6 +163,11 @@ def access(method, operation):
     return "read" if asks else "write"
 
 
+def is_follow_up(method, operation):
+    """Returns whether the operation only reads or ends jobs or batches."""
+    return method in ("get", "head", "delete") and bool({"jobs", "batches"} & {*operation["tags"]})
+
+
 def check_security(operation):
     allowed = [[], *([{"key": [role]}] for role in ROLES)]
     if operation.get("security", []) not in allowed:

@@ -35,6 +35,7 @@ from document import (  # noqa: E402
     check_problems,
     deprecated_parameters,
     handler,
+    is_follow_up,
     load_document,
     operations,
     segments,
@@ -128,6 +129,7 @@ def route_row(document, path, item, method, operation):
     fields = {
         "method": f"PROTO_METHOD_{method.upper()}",
         "access": f"PROTO_ACCESS_{(access(method, operation) or 'public').upper()}",
+        "is_follow_up": "true" if is_follow_up(method, operation) else "false",
         "has_body": "true" if "requestBody" in operation else "false",
         "is_async": "true" if takes_preference(item, operation) else "false",
         "operation": c_string(operation["operationId"]),

@@ -96,6 +96,7 @@ static bool request_authorize(struct server_exchange *exchange, struct proto_pro
         .authorization = server_exchange_header(exchange, "Authorization"),
         .authorization_count = server_exchange_count_headers(exchange, "Authorization"),
         .needed = route ? route->access : PROTO_ACCESS_READ,
+        .is_follow_up = route && route->is_follow_up,
     };
     if (!server_access_admit(exchange->host->api->access, &request, &exchange->grant, problem))
         return false;

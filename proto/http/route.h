@@ -42,6 +42,7 @@ struct proto_deprecation {
 struct proto_route {
     enum proto_method method;
     enum proto_access access;
+    bool is_follow_up;     /* true if the operation only reads or ends jobs or batches */
     bool has_body;         /* true if the operation accepts a request body */
     bool is_async;         /* true if the operation accepts the header Prefer: respond-async */
     const char *operation; /* operationId */

@@ -150,14 +150,16 @@ static bool key_forbid(const struct server_credential *key, struct proto_problem
     return false;
 }
 
-static bool quota_enter(struct server_grant *grant, struct proto_problem *problem)
+static bool quota_enter(struct server_grant *grant, bool is_follow_up,
+                        struct proto_problem *problem)
 {
     const struct server_credential *key = grant->key;
-    uint64_t wait_ns = 0;
+    uint64_t wait_ns = 0, now_ns = gd_now_ns();
     enum server_quota_outcome outcome =
-        server_quota_enter(key->quota, &key->limits, gd_now_ns(), &wait_ns);
-    grant->is_entered = outcome == SERVER_QUOTA_ENTERED;
-    if (grant->is_entered) return true;
+        is_follow_up ? server_quota_pass(key->quota, &key->limits, now_ns, &wait_ns)
+                     : server_quota_enter(key->quota, &key->limits, now_ns, &wait_ns);
+    grant->is_entered = outcome == SERVER_QUOTA_ENTERED && !is_follow_up;
+    if (outcome == SERVER_QUOTA_ENTERED) return true;
     bool is_rate = outcome == SERVER_QUOTA_RATE;
     unsigned limit = is_rate ? key->limits.rate : key->limits.concurrent;
     proto_problem_set(
@@ -179,7 +181,7 @@ bool server_access_admit(struct server_access *access, const struct server_acces
     if (request->needed == PROTO_ACCESS_WRITE && grant->key->role != SERVER_ROLE_WRITE)
         return key_forbid(grant->key, problem,
                           "this key may only read; ask the operator for a key with the role write");
-    return quota_enter(grant, problem);
+    return quota_enter(grant, request->is_follow_up, problem);
 }
 
 /* --- grants ----------------------------------------------------------------------------------- */

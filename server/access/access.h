@@ -34,6 +34,9 @@ struct server_access_request {
     const char *authorization;    /* the header; may be NULL */
     uint32_t authorization_count; /* number of such headers */
     enum proto_access needed;
+    /* true if the request only reads or ends jobs or batches: it takes no place among the key's
+     * concurrent requests, so that a key whose jobs take all places can follow and cancel them */
+    bool is_follow_up;
 };
 
 /* Fills in `*grant`, also if the key is refused; the caller always ends the grant. Returns false

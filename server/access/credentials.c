@@ -277,22 +277,36 @@ static bool token_take(struct server_quota *quota, uint32_t rate, uint64_t now_n
     return true;
 }
 
+static enum server_quota_outcome quota_refuse(struct server_quota *quota,
+                                              enum server_quota_outcome outcome)
+{
+    atomic_fetch_add_explicit(&quota->refusals[outcome], 1, memory_order_relaxed);
+    return outcome;
+}
+
+enum server_quota_outcome server_quota_pass(struct server_quota *quota,
+                                            const struct server_limits *limits, uint64_t now_ns,
+                                            uint64_t *wait_ns)
+{
+    *wait_ns = 0;
+    atomic_fetch_add_explicit(&quota->requests, 1, memory_order_relaxed);
+    if (!limits->rate || token_take(quota, limits->rate, now_ns, wait_ns))
+        return SERVER_QUOTA_ENTERED;
+    return quota_refuse(quota, SERVER_QUOTA_RATE);
+}
+
 enum server_quota_outcome server_quota_enter(struct server_quota *quota,
                                              const struct server_limits *limits, uint64_t now_ns,
                                              uint64_t *wait_ns)
 {
-    enum server_quota_outcome outcome = SERVER_QUOTA_ENTERED;
     *wait_ns = 0;
-    atomic_fetch_add_explicit(&quota->requests, 1, memory_order_relaxed);
     /* checked first, so that a refused request uses no token */
     if (!place_take(quota, limits->concurrent)) {
-        outcome = SERVER_QUOTA_CONCURRENT;
-    } else if (limits->rate && !token_take(quota, limits->rate, now_ns, wait_ns)) {
-        outcome = SERVER_QUOTA_RATE;
-        server_quota_leave(quota);
+        atomic_fetch_add_explicit(&quota->requests, 1, memory_order_relaxed);
+        return quota_refuse(quota, SERVER_QUOTA_CONCURRENT);
     }
-    if (outcome != SERVER_QUOTA_ENTERED)
-        atomic_fetch_add_explicit(&quota->refusals[outcome], 1, memory_order_relaxed);
+    enum server_quota_outcome outcome = server_quota_pass(quota, limits, now_ns, wait_ns);
+    if (outcome != SERVER_QUOTA_ENTERED) server_quota_leave(quota);
     return outcome;
 }
 

@@ -65,6 +65,12 @@ enum server_quota_outcome server_quota_enter(struct server_quota *quota,
                                              uint64_t *wait_ns);
 void server_quota_leave(struct server_quota *quota);
 
+/* As server_quota_enter, for a request that takes no place among the concurrent requests: only the
+ * rate limits it. Such a request does not leave. */
+enum server_quota_outcome server_quota_pass(struct server_quota *quota,
+                                            const struct server_limits *limits, uint64_t now_ns,
+                                            uint64_t *wait_ns);
+
 /* The role operator includes the role read, and may also see the metrics of all tenants. */
 enum server_role { SERVER_ROLE_READ, SERVER_ROLE_WRITE, SERVER_ROLE_OPERATOR };
 

@@ -189,7 +189,7 @@ class Roles(Keyed):
 
 
 class Limits(Keyed):
-    keys = line("fast", "role=write") + line("slow", "rate=3") + line("narrow", "concurrent=2") + line("single", "concurrent=1")
+    keys = line("fast", "role=write") + line("slow", "rate=3") + line("narrow", "concurrent=2") + line("single", "concurrent=1") + line("watch", "role=operator")
     flags = ("--workers", "1", "--landmarks", "0")
 
     def test_rate(self):
@@ -227,8 +227,23 @@ class Limits(Keyed):
         job = self.ask("POST", "/v1/meshes/wide/matrix", "single", body, Prefer="respond-async")
         self.assertEqual(job.status, 202)
         self.assert_problem(self.ask("GET", "/v1", "single"), 429, "rate_limited")
-        self.assertEqual(self.ask("DELETE", job.headers["Location"], "fast").status, 204)
+        # the key can follow and cancel the job nevertheless
+        place = job.headers["Location"]
+        for path, status in ((place, 200), ("/v1/jobs", 200), (f"{place}/result", 409), ("/v1/batches", 200), ("/v1/batches/none", 404)):
+            self.assertEqual(self.ask("GET", path, "single").status, status, path)
+        self.assertEqual(self.ask("DELETE", place, "single").status, 204)
         wait_until(lambda: self.ask("GET", "/v1", "single").status == 200)
+
+    def test_a_wait_for_a_job_takes_no_place(self):
+        self.ask("PUT", "/v1/meshes/vast", "fast", sample("terrain", cells=96, amplitude=1))
+        body = json.dumps({"sources": [{"vertex": i} for i in range(400)], "targets": [{"vertex": 9000 + i} for i in range(400)]})
+        job = self.ask("POST", "/v1/meshes/vast/matrix", "fast", body, Prefer="respond-async").headers["Location"]
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            waiting = pool.submit(self.ask, "GET", f"{job}?wait=60", "single")
+            wait_until(lambda: b"geodesicd_requests_deferred 2\n" in self.ask("GET", "/metrics", "watch").body)
+            self.assertEqual(self.ask("GET", "/v1", "single").status, 200)
+            self.assertEqual(self.ask("DELETE", job, "fast").status, 204)
+            self.assertEqual(waiting.result().json["state"], "cancelled")
 
 
 class Reload(Keyed):

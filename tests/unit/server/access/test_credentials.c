@@ -206,7 +206,8 @@ static struct server_access *open_access(const char *text)
 static enum proto_problem_code admit(struct server_access *access, const char *authorization,
                                      enum proto_access needed, struct server_grant *kept)
 {
-    const struct server_access_request request = {authorization, authorization != NULL, needed};
+    const struct server_access_request request = {authorization, authorization != NULL, needed,
+                                                  false};
     struct server_grant grant = {0};
     struct proto_problem problem = {0};
     bool ok = server_access_admit(access, &request, &grant, &problem);
@@ -260,7 +261,8 @@ static void two_authorization_headers_are_refused(void **state)
 {
     (void)state;
     struct server_access *access = open_access(line("a", A_KEY, ""));
-    const struct server_access_request request = {"Bearer " A_KEY, 2, PROTO_ACCESS_READ};
+    const struct server_access_request request = {.authorization = "Bearer " A_KEY,
+                                                  .authorization_count = 2};
     struct server_grant grant = {0};
     struct proto_problem problem;
     assert_false(server_access_admit(access, &request, &grant, &problem));

@@ -105,6 +105,20 @@ static void refusals_use_neither_token_nor_place(void **state)
     assert_int_equal(quota->entered, 0);
 }
 
+static void a_passing_request_takes_no_place(void **state)
+{
+    (void)state;
+    const struct server_limits limits = {.rate = 3, .concurrent = 1};
+    uint64_t wait_ns;
+    assert_int_equal(server_quota_enter(quota, &limits, SECOND, &wait_ns), SERVER_QUOTA_ENTERED);
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(server_quota_pass(quota, &limits, SECOND, &wait_ns), SERVER_QUOTA_ENTERED);
+    assert_int_equal(server_quota_pass(quota, &limits, SECOND, &wait_ns), SERVER_QUOTA_RATE);
+    assert_in_range(wait_ns, 1, SECOND / 3);
+    assert_int_equal(quota->entered, 1);
+    assert_int_equal(quota->requests, 4);
+}
+
 #define THREADS 4
 #define ROUNDS  20000
 
@@ -148,6 +162,7 @@ int main(void)
                                         tear_down),
         cmocka_unit_test_setup_teardown(concurrent_requests_are_limited, set_up, tear_down),
         cmocka_unit_test_setup_teardown(refusals_use_neither_token_nor_place, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_passing_request_takes_no_place, set_up, tear_down),
         cmocka_unit_test_setup_teardown(threads_share_one_bucket, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
