@@ -66,6 +66,7 @@ static void server_destroy(struct server *server)
     server_surfaces_destroy(server);
     server_workers_destroy(server->host.workers);
     server_workers_destroy(server->host.waiters);
+    server_workers_destroy(server->host.batch_readers);
     server_thread_stop(server->host.spare);
     server_workspaces_destroy(server->host.workspaces);
     gd_spare_memory(0);
@@ -107,9 +108,11 @@ static void server_tick(struct server *server, uint64_t now_ns)
     server_workers_expire(server->api.writer, now_ns);
     server_workers_expire(server->api.lister, now_ns);
     server_workers_expire(server->host.waiters, now_ns);
+    server_workers_expire(server->host.batch_readers, now_ns);
     if (server_workers_cancelled(server->host.workers)) {
         server_workers_cancel(server->api.writer);
         server_workers_cancel(server->host.waiters);
+        server_workers_cancel(server->host.batch_readers);
     }
     server_job_table_expire(server->api.jobs, now_ns);
     server_events_tick(server->host.events, now_ns);
@@ -160,7 +163,8 @@ bool server_start_jobs(struct server *server)
     };
     server->api.jobs = server_job_table_create(&server->host, &limits);
     server->host.waiters = server_workers_create(1, UINT32_MAX);
-    if (server->api.jobs && server->host.waiters)
+    server->host.batch_readers = server_workers_create(1, UINT32_MAX);
+    if (server->api.jobs && server->host.waiters && server->host.batch_readers)
         server->deadlines = server_thread_start(deadlines_run, server);
     server->trimmer = server_thread_start(heap_trim_run, NULL);
     server->host.spare = server_thread_start(spare_run, NULL);

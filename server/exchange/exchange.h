@@ -140,9 +140,10 @@ struct server_transport {
 struct server_host {
     struct server_budget *budget;
     struct server_workers *workers;
-    /* one thread that reads batches, and answers requests whose wait for a job or batch has ended:
-       these answers do not depend on the workers */
-    struct server_workers *waiters;
+    /* Each of these has one thread, so that its answers do not depend on the workers. `waiters`
+       answers requests whose wait for a job has ended. `batch_readers` reads and cancels batches,
+       and may block for the database. */
+    struct server_workers *waiters, *batch_readers;
     struct server_workspaces *workspaces;
     struct server_events *events;
     struct server_answer_streams *streams;
@@ -258,8 +259,11 @@ bool server_exchange_is_unwanted(struct server_exchange *exchange);
 
 /* server_exchange_submit passes a deferred exchange to the workers (reply.c). The caller must not
  * use the exchange any more. If the queue is full, the reply is the problem `overloaded`.
+ * server_exchange_queue queues an exchange that another thread than a worker runs. Returns false
+ * with the reply `overloaded` if the queue is full.
  * server_exchange_count_deferred counts one more deferred exchange. */
 void server_exchange_submit(struct server_exchange *exchange);
+bool server_exchange_queue(struct server_exchange *exchange);
 void server_exchange_count_deferred(struct server_host *host);
 void server_exchange_job_run(struct server_job *job);
 void server_exchange_job_refuse(struct server_job *job, enum server_refusal why);

@@ -415,16 +415,21 @@ void server_exchange_count_deferred(struct server_host *host)
     if (atomic_fetch_add(&host->deferred, 1) == 0) host->watch(host->watcher);
 }
 
-void server_exchange_submit(struct server_exchange *exchange)
+bool server_exchange_queue(struct server_exchange *exchange)
 {
     struct server_host *host = exchange->host;
-    server_exchange_count_deferred(host);
-    exchange->job.tenant = exchange->tenant;
-    if (exchange->join && exchange->join(exchange)) return;
-    if (server_workers_submit(host->workers, &exchange->job)) return;
+    if (server_workers_submit(host->workers, &exchange->job)) return true;
     server_reply_refusal(exchange, PROTO_PROBLEM_OVERLOADED,
                          "all workers are busy, and the queue of %llu requests, which tenants "
                          "share, is full; try again in a moment",
                          (unsigned long long)host->queue_length);
-    exchange_finish(exchange);
+    return false;
+}
+
+void server_exchange_submit(struct server_exchange *exchange)
+{
+    server_exchange_count_deferred(exchange->host);
+    exchange->job.tenant = exchange->tenant;
+    if (exchange->join && exchange->join(exchange)) return;
+    if (!server_exchange_queue(exchange)) exchange_finish(exchange);
 }

@@ -242,7 +242,7 @@ static void runner_wake_jobs(struct server_batch_runner *runner)
         due = UINT_MAX;
     }
     for (unsigned i = 0; i < PLACES; i++)
-        if (due >> i & 1) server_workers_unpark(runner->host->waiters, &runner->places[i]);
+        if (due >> i & 1) server_workers_unpark(runner->host->batch_readers, &runner->places[i]);
 }
 
 uint64_t server_batch_runner_news(struct server_batch_runner *runner)
@@ -256,8 +256,8 @@ bool server_batch_runner_wait(struct server_batch_runner *runner, struct server_
 {
     SERVER_LOCK(&runner->lock);
     return wait->news == runner->news && !atomic_load(&runner->is_draining) &&
-           server_workers_park(runner->host->waiters, job, &runner->places[place_of(wait->id)],
-                               wait->until_ns);
+           server_workers_park(runner->host->batch_readers, job,
+                               &runner->places[place_of(wait->id)], wait->until_ns);
 }
 
 static void runner_settle(struct server_batch_runner *runner)

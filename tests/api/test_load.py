@@ -10,7 +10,8 @@ import threading
 import time
 import unittest
 
-from harness import PATIENCE_SECONDS, SEARCHES, SQUARE, Daemon, TestCase, sample
+from harness import PATIENCE_SECONDS, SEARCHES, SQUARE, Daemon, TestCase, sample, wait_until
+from test_batches import begin
 
 
 def slow_mesh():
@@ -73,6 +74,19 @@ class Lanes(TestCase):
         for answer in refused:
             self.assert_problem(answer, 503, "overloaded")
             self.assertGreaterEqual(int(answer.headers["Retry-After"]), 1)
+
+    def test_batches_are_cancelled_while_the_queue_is_full(self):
+        document = {"query": "all-pairs", "mesh": "slow", "vertices": list(range(100))}
+        paths = [f"/v1/batches/{begin(self.daemon, document).json['id']}" for _ in range(3)]
+        with concurrent.futures.ThreadPoolExecutor(12) as pool:
+            asked = [pool.submit(self.ask, source) for source in range(800, 812)]
+            wait_until(lambda: any(one.done() and one.result().status == 503 for one in asked))
+            for path in paths:
+                self.assertEqual(self.daemon.request("DELETE", path).status, 204)
+                self.assertEqual(self.daemon.get(path).json["state"], "cancelled")
+        for path in paths:
+            self.assertEqual(self.daemon.request("DELETE", path).status, 204)
+            self.assertEqual(self.daemon.get(path).status, 404)
 
     def test_urgent_requests_are_answered_during_slow_work(self):
         with self.building(200) as slow:

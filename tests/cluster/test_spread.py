@@ -1,7 +1,10 @@
 """Tests batches on several daemons, while daemons and the database fail and recover."""
+import concurrent.futures
 import time
 
-from harness import sample
+from cluster import Relay
+from harness import sample, wait_until
+from jobs import ASYNC, big_mesh
 from test_batches import begin, follow, results, wait
 from test_nodes import LONG, Shared, setUpModule  # noqa: F401  (skips without PostgreSQL)
 
@@ -29,6 +32,26 @@ class Spread(Shared):
         for i in range(0, count, 7):
             for j in range(0, count, 11):
                 self.assertAlmostEqual(found[i]["answer"]["distances"][0][j], found[j]["answer"]["distances"][0][i], delta=1e-12)
+
+    def test_a_wait_for_a_job_ends_while_the_network_is_silent(self):
+        """A request that reads a batch blocks for the database. A wait for a job does not."""
+        relay = Relay(self.database.port)
+        self.addCleanup(relay.close)
+        node = self.start("--workers", "2", "--landmarks", "0", port=relay.port)
+        self.assertEqual(node.put("big", big_mesh()).status, 201)
+        batch = begin(node, {"query": "all-pairs", "mesh": "big", "vertices": [0]}).json["id"]
+        wait(node, batch)
+        job = node.ask("big", "fields", {"set": {"points": [{"vertex": 5}]}}, ASYNC).headers["Location"]
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            waiting = pool.submit(node.get, f"{job}?wait=60")
+            wait_until(lambda: node.metric("requests_deferred") >= 2)
+            relay.hold()
+            reading = pool.submit(node.get, f"/v1/batches/{batch}")
+            wait_until(lambda: node.metric("requests_deferred") >= 3)
+            self.assertEqual(node.request("DELETE", job).status, 204)
+            self.assertEqual(waiting.result().json["state"], "cancelled")
+            self.assertFalse(reading.done())
+            relay.mend()
 
     def test_the_database_stops_and_returns(self):
         nodes = [self.start(), self.start()]

@@ -148,9 +148,10 @@ static struct server_batch_wait wait_begin(const struct server_exchange *exchang
                                       .until_ns = server_request_wait_end(exchange, wait_s)};
 }
 
-static bool waiter_submit(struct server_exchange *exchange)
+/* Submits the exchange to the thread that reads batches. */
+static bool reader_submit(struct server_exchange *exchange)
 {
-    (void)server_workers_submit(exchange->host->waiters, &exchange->job); /* never full */
+    (void)server_workers_submit(exchange->host->batch_readers, &exchange->job); /* never full */
     return true;
 }
 
@@ -209,27 +210,44 @@ static bool describe_batch(struct server_exchange *exchange)
 void server_handle_get_batch(struct server_exchange *exchange)
 {
     if (server_reply_accepts_json(exchange))
-        server_exchange_defer(exchange, describe_batch, waiter_submit);
+        server_exchange_defer(exchange, describe_batch, reader_submit);
 }
 
-/* Cancels a running batch, or removes an ended one. */
-static bool remove_batch(struct server_exchange *exchange)
+/* Ends a batch, or removes an ended one. */
+static bool end_batch(struct server_exchange *exchange, struct server_store_sql *sql,
+                      const struct proto_many_state *batch)
 {
-    struct proto_many_state batch;
-    struct server_store_sql *sql = find_batch(exchange, &batch);
-    if (!sql) return true;
-    if (!check_outcome(exchange, proto_many_has_ended(&batch)
-                                     ? server_batch_queue_remove(sql, batch.id)
-                                     : server_batch_queue_cancel(sql, batch.id)))
+    if (!check_outcome(exchange, proto_many_has_ended(batch)
+                                     ? server_batch_queue_remove(sql, batch->id)
+                                     : server_batch_queue_cancel(sql, batch->id)))
         return true;
-    server_batch_runner_cancel(exchange->host->api->batches, batch.id);
+    server_batch_runner_cancel(exchange->host->api->batches, batch->id);
     server_reply_empty(exchange, 204);
     return true;
 }
 
+static bool remove_batch(struct server_exchange *exchange)
+{
+    struct proto_many_state batch;
+    struct server_store_sql *sql = find_batch(exchange, &batch);
+    return !sql || end_batch(exchange, sql, &batch);
+}
+
+/* Cancels a running batch. Removes an ended one on a worker, because that can take long. */
+static bool cancel_batch(struct server_exchange *exchange)
+{
+    struct proto_many_state batch;
+    struct server_store_sql *sql = find_batch(exchange, &batch);
+    if (!sql) return true;
+    if (!proto_many_has_ended(&batch)) return end_batch(exchange, sql, &batch);
+    exchange->work = remove_batch;
+    return !server_exchange_queue(exchange);
+}
+
 void server_handle_delete_batch(struct server_exchange *exchange)
 {
-    if (server_request_is_plain(exchange)) server_exchange_defer(exchange, remove_batch, NULL);
+    if (server_request_is_plain(exchange))
+        server_exchange_defer(exchange, cancel_batch, reader_submit);
 }
 
 /* --- answers ---------------------------------------------------------------------------------- */
@@ -323,5 +341,5 @@ static bool list_answers(struct server_exchange *exchange)
 void server_handle_get_batch_results(struct server_exchange *exchange)
 {
     if (server_reply_accepts_json(exchange))
-        server_exchange_defer(exchange, list_answers, waiter_submit);
+        server_exchange_defer(exchange, list_answers, reader_submit);
 }

@@ -80,6 +80,7 @@ static inline void daemon_stop(void)
     server_surfaces_destroy(server);
     server_workers_destroy(server->host.workers);
     server_workers_destroy(server->host.waiters);
+    server_workers_destroy(server->host.batch_readers);
     server_workspaces_destroy(server->host.workspaces);
     server_metrics_destroy(server->host.metrics);
     assert_int_equal(server->budget.total, 0);

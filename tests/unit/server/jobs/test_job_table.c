@@ -71,6 +71,7 @@ static int tear_down(void **state)
     server_surfaces_destroy(&server);
     server_workers_destroy(server.host.workers);
     server_workers_destroy(server.host.waiters);
+    server_workers_destroy(server.host.batch_readers);
     assert_int_equal(server.budget.total, 0);
     return 0;
 }
