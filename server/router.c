@@ -60,17 +60,20 @@ static bool request_admit(struct server_exchange *exchange, struct proto_problem
     return true;
 }
 
-/* Answers OPTIONS with the methods of the resource, and a CORS preflight of a listed origin with
- * the permitted headers. Needs no key, since browsers send none. */
+/* Answers OPTIONS with the methods of the resource, or with all methods for the target "*" (RFC
+ * 9110, 9.3.7); and a CORS preflight of a listed origin with the permitted headers. Needs no key,
+ * since browsers send none. */
 static bool answer_options(struct server_exchange *exchange, const struct proto_problem *problem)
 {
-    if (problem->code != PROTO_PROBLEM_METHOD_NOT_ALLOWED ||
-        !server_exchange_is(exchange, "OPTIONS"))
+    bool is_server = strcmp(exchange->path, "*") == 0;
+    const char *allow = is_server ? PROTO_ROUTE_METHODS : problem->allow;
+    if (!server_exchange_is(exchange, "OPTIONS") ||
+        (!is_server && problem->code != PROTO_PROBLEM_METHOD_NOT_ALLOWED))
         return false;
-    server_reply_header(exchange, "Allow", "%s, OPTIONS", problem->allow);
+    server_reply_header(exchange, "Allow", "%s, OPTIONS", allow);
     if (exchange->cors_origin &&
         server_exchange_header(exchange, "Access-Control-Request-Method")) {
-        server_reply_header(exchange, "Access-Control-Allow-Methods", "%s", problem->allow);
+        server_reply_header(exchange, "Access-Control-Allow-Methods", "%s", allow);
         server_reply_header(exchange, "Access-Control-Allow-Headers", "%s", CORS_HEADERS);
         server_reply_header(exchange, "Access-Control-Max-Age", "%d", CORS_SECONDS);
     }

@@ -29,6 +29,8 @@ enum proto_method {
     PROTO_METHOD_DELETE
 };
 
+#define PROTO_ROUTE_METHODS "GET, HEAD, PUT, POST, PATCH, DELETE" /* all, as in Allow */
+
 #define PROTO_ROUTE_SEGMENTS 6
 #define PROTO_ROUTE_CAPTURES 2
 

@@ -236,6 +236,11 @@ class Service(TestCase):
         answer = self.daemon.request("OPTIONS", "/v1/meshes")
         self.assertEqual((answer.status, answer.headers["Allow"]), (204, "GET, HEAD, POST, OPTIONS"))
         self.assertEqual(self.daemon.request("DELETE", "/v1").headers["Allow"], "GET, HEAD, OPTIONS")
+        # the target * stands for the whole daemon
+        answer = self.daemon.raw(b"OPTIONS * HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+        self.assertRegex(answer, rb"^HTTP/1.1 204 [^\0]*Allow: GET, HEAD, PUT, POST, PATCH, DELETE, OPTIONS\r\n")
+        answer = self.daemon.raw(b"GET * HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+        self.assertRegex(answer, rb"^HTTP/1.1 404 ")
 
     def test_metrics(self):
         self.daemon.put("counted", SQUARE)
