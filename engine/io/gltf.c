@@ -49,8 +49,7 @@ bool gd__gltf_recognise(struct gd__scan scan)
     if (!gd__json_accept(&scan, '{')) return false;
     if (gd__json_string(&scan, "a key", &key) != GD_OK) return false;
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
-        if (key.length == strlen(keys[i]) + 2 && memcmp(key.at + 1, keys[i], key.length - 2) == 0)
-            return true;
+        if (gd__json_string_is(key.at, keys[i])) return true;
     }
     return false;
 }

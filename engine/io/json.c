@@ -1,14 +1,14 @@
 /* JSON (RFC 8259): {"vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}. The two members
  * may come in either order. Indices are zero-based.
  *
- * The nesting is fixed, so the parser needs no stack. Keys are compared without unescaping. An
- * index may be written as 3.0, because JSON does not distinguish integers from other numbers. */
+ * The nesting is fixed, so the parser needs no stack. An index may be written as 3.0, because JSON
+ * does not distinguish integers from other numbers. */
 #include "io/json_text.h"
 #include "io/readers.h"
 
 enum member { MEMBER_VERTICES, MEMBER_FACES, MEMBER_COUNT };
 
-static const char *const member_names[MEMBER_COUNT] = {"\"vertices\"", "\"faces\""};
+static const char *const member_names[MEMBER_COUNT] = {"vertices", "faces"};
 
 /* Reads the beginning of an object or array. `*more` is true if it has an item. */
 static enum gd_status open_items(struct gd__scan *scan, char open, char close, bool *more)
@@ -79,10 +79,10 @@ static enum gd_status member_of(const struct gd__scan *scan, struct gd__word key
                                 bool seen[MEMBER_COUNT], enum member *out)
 {
     for (enum member member = 0; member < MEMBER_COUNT; member++) {
-        if (!gd__word_is(key, member_names[member])) continue;
+        if (!gd__json_string_is(key.at, member_names[member])) continue;
         if (seen[member])
             return gd__scan_fail(scan, key.at, GD_SYNTAX,
-                                 "the key %s appears twice; remove one of the two",
+                                 "the key \"%s\" appears twice; remove one of the two",
                                  member_names[member]);
         seen[member] = true;
         *out = member;
@@ -123,7 +123,7 @@ enum gd_status gd__json_read(struct gd__scan *scan, struct gd__builder *builder)
     if (status != GD_OK) return status;
     for (enum member member = 0; member < MEMBER_COUNT; member++) {
         if (!seen[member])
-            return gd__scan_fail(scan, scan->at, GD_SYNTAX, "the key %s is missing",
+            return gd__scan_fail(scan, scan->at, GD_SYNTAX, "the key \"%s\" is missing",
                                  member_names[member]);
     }
     gd__json_skip_space(scan);

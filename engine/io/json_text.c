@@ -90,3 +90,25 @@ enum gd_status gd__json_string(struct gd__scan *scan, const char *what, struct g
     *out = (struct gd__word){begin, (size_t)(scan->at - begin) + 1};
     return gd__json_expect(scan, '"');
 }
+
+/* Returns true if the text begins with the escape \u0041 of the character. Reads nothing after the
+ * first difference. */
+static bool escape_is(const char *at, char character)
+{
+    static const char digits[] = "0123456789abcdef";
+    const char wanted[] = {'\\', 'u', '0', '0', digits[character >> 4], digits[character & 15]};
+    for (size_t i = 0; i < sizeof wanted; i++)
+        if (at[i] != wanted[i] && !(at[i] >= 'A' && at[i] <= 'F' && at[i] + 'a' - 'A' == wanted[i]))
+            return false;
+    return true;
+}
+
+bool gd__json_string_is(const char *string, const char *text)
+{
+    const char *at = string + 1;
+    for (; *text; text++) {
+        if (*at != *text && !escape_is(at, *text)) return false;
+        at += *at == *text ? 1 : 6;
+    }
+    return *at == '"';
+}

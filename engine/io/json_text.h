@@ -17,7 +17,11 @@ GD_MUST_USE enum gd_status gd__json_number(struct gd__scan *scan, double *out);
 GD_MUST_USE enum gd_status gd__json_string_run(struct gd__scan *scan, const char *what,
                                                size_t most);
 
-/* Skips space and parses a string. `*out` is the raw text with its quotes, not unescaped. `what`
+/* Skips space and parses a string. `*out` is the raw text with its quotes and escapes. `what`
  * names the expected string in an error ("a key"). */
 GD_MUST_USE enum gd_status gd__json_string(struct gd__scan *scan, const char *what,
                                            struct gd__word *out);
+
+/* Returns true if the parsed string, which begins at its opening quote, means `text`. Any character
+ * may be escaped as \u0041. `text` is ASCII without quotes, backslashes and control characters. */
+bool gd__json_string_is(const char *string, const char *text);

@@ -178,11 +178,7 @@ void gd__json_free(struct gd__json *json)
 
 bool gd__json_says(const struct gd__json *json, uint32_t value, const char *text)
 {
-    const char *at = gd__json_at(json, value);
-    /* If `text` is longer than the value, the comparison stops at the value's closing quote, so it
-     * reads nothing beyond the value. */
-    size_t length = strlen(text);
-    return at[0] == '"' && strncmp(at + 1, text, length) == 0 && at[1 + length] == '"';
+    return gd__json_is(json, value, '"') && gd__json_string_is(gd__json_at(json, value), text);
 }
 
 uint32_t gd__json_member(const struct gd__json *json, uint32_t object, const char *name)

@@ -2,7 +2,7 @@
  *
  * Values are numbered in the order of the text. A member consists of two values: its key and its
  * value. Each value takes 8 bytes of the tree and at least two bytes of the text, so the tree is at
- * most four times as large as the text. Strings remain unescaped. */
+ * most four times as large as the text. Strings remain escaped. */
 #pragma once
 
 #include "gd/control.h"

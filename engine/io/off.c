@@ -71,15 +71,32 @@ static enum gd_status read_count(struct gd__scan *scan, uint64_t *out)
     return GD_OK;
 }
 
-/* Reads the numbers of vertices and faces. Skips the rest of the line, which may have the number of
- * edges. */
+/* Skips the number of edges, which is on the rest of the line, alone on the next line, or missing.
+ * A line of a vertex has at least three numbers. */
+static void skip_edges(struct gd__scan *scan)
+{
+    int64_t edges;
+    gd__scan_skip_blanks(scan);
+    bool is_next = gd__scan_at_line_end(scan);
+    gd__scan_skip_line(scan);
+    struct gd__scan ahead = *scan;
+    ahead.detail = NULL; /* a missing number is no error */
+    gd__scan_skip_space(&ahead);
+    if (!is_next || gd__scan_integer(&ahead, &edges) != GD_OK) return;
+    gd__scan_skip_blanks(&ahead);
+    if (!gd__scan_at_line_end(&ahead)) return;
+    scan->at = ahead.at;
+    gd__scan_skip_line(scan);
+}
+
+/* Reads the numbers of vertices and faces, and skips that of edges. */
 static enum gd_status read_counts(struct gd__scan *scan, uint64_t *vertices, uint64_t *faces)
 {
     enum gd_status status = read_count(scan, vertices);
     if (status == GD_OK) status = read_count(scan, faces);
     if (status != GD_OK) return status;
     const char *place = scan->at;
-    gd__scan_skip_line(scan);
+    skip_edges(scan);
     /* The last line may have no line end. */
     size_t left = gd__scan_left(scan) + 1;
     if (*vertices > left / SMALLEST_VERTEX ||

@@ -64,6 +64,7 @@ static void recognises_content(void **state)
         {BYTES("{\"vertices\":["), GD_FORMAT_JSON},
         {BYTES("{\"asset\":{"), GD_FORMAT_GLTF},
         {BYTES("\r\n {\t\"extensionsUsed\" :"), GD_FORMAT_GLTF},
+        {BYTES("{\"\\u0061sset\":{"), GD_FORMAT_GLTF},
         {BYTES("{\"assets\":{"), GD_FORMAT_JSON},
         {BYTES("{\"asset"), GD_FORMAT_JSON},
         {BYTES("glTF\2\0\0\0"), GD_FORMAT_GLB},

@@ -197,6 +197,7 @@ static void ignores_other_content(void **state)
                      "'KHR_materials_unlit','KHR_technique_webgl'],'extras':{'a\\\"b':[1,[2,{'c':"
                      "null}],true]}"),
                square);
+    check_both(SCENE("'n\\u006Fdes':[{'\\u006desh':0}]"), square);
     check_both(SCENE("'materials':[{'name':'\\u00e4 { [ \\\" '}],'images':[{'uri':'picture.png'}]"),
                square);
     /* the document has Draco data and the same data uncompressed; the reader uses the uncompressed

@@ -23,6 +23,9 @@ static const struct good_input good[] = {
     {WITH_X("0.1"), "0.10000000000000001 0 0; 1 0 0; 0 1 0 | 0 1 2"},
     {WITH_X("1e-999"), "0 0 0; 1 0 0; 0 1 0 | 0 1 2"},
     {WITH_X("-0"), "-0 0 0; 1 0 0; 0 1 0 | 0 1 2"},
+    {BYTES("{\"\\u0076\\u0065rtices\":[[0,0,0],[1,0,0],[0,1,0]],\"\\u0066ac\\u0065\\u0073\":[[0,1,"
+           "2]]}"),
+     TRIANGLE_MESH},
 };
 
 static const struct bad_input bad[] = {
@@ -32,6 +35,11 @@ static const struct bad_input bad[] = {
     {BYTES("{" VERTICES "}"), GD_SYNTAX, 0, "the key \"faces\" is missing"},
     {BYTES("{" VERTICES ",}"), GD_SYNTAX, 0, "a key"},
     {BYTES("{" VERTICES "," VERTICES "}"), GD_SYNTAX, 0, "\"vertices\" appears twice; remove"},
+    {BYTES("{" VERTICES ",\"\\u0076ertices\":[]}"), GD_SYNTAX, 0, "appears twice"},
+    {BYTES("{\"\\u0066a\\u0063\":[]}"), GD_SYNTAX, 1, "unknown key"},
+    {BYTES("{\"\\U0066aces\":[]}"), GD_SYNTAX, 1, "unknown key"},
+    {BYTES("{\"face\\u007\":[]}"), GD_SYNTAX, 1, "unknown key"},
+    {BYTES("{\"faces\\u0000\":[]}"), GD_SYNTAX, 1, "unknown key"},
     {BYTES("{\"colour\":[]}"), GD_SYNTAX, 1, "unknown key \"colour\""},
     {BYTES("{\"\xC3\xA4\":[]}"), GD_SYNTAX, 1,
      "unknown key \"?"

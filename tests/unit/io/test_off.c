@@ -28,6 +28,10 @@ static const struct good_input good[] = {
      "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 3 2"},
     {BYTES(" \t\n  OFF3 1 0 # counts\n" VERTICES "3 0 1\n2\n"), TRIANGLE_MESH},
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2\nwhat follows is not read\n"), TRIANGLE_MESH},
+    /* the number of edges on its own line, or missing */
+    {BYTES("OFF\n3\n1\n0\n" VERTICES "3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES("OFF\n3 1 # counts\n\n # edges\n 3 # here\n" VERTICES "3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES("OFF\n3 1\n" VERTICES "3 0 1 2\n"), TRIANGLE_MESH},
     {BYTES("OFF\n3 1 0\n0.1 16777217 -0\n1e-320 0 0\n0 1 0\n3 2 1 0\n"),
      "0.10000000000000001 16777217 -0; 9.9998886718268301e-321 0 0; 0 1 0 | 2 1 0"},
 };
