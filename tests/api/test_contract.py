@@ -7,6 +7,7 @@ the surfaces that the examples must use.
 import json
 import re
 import unittest
+import urllib.parse
 
 import contract
 import generate
@@ -141,6 +142,26 @@ class Examples(TestCase):
         seen = set()
         self.each(check)
         self.assertGreaterEqual(seen, {"arcs", "edges", "legend", "mesh", "triangulate"})
+
+    def test_indices_have_no_leading_zeros(self):
+        """The pattern of a parameter rejects such indices, as the daemon does."""
+        def check(operation):
+            for parameter in operation.parameters:
+                pattern = contract.resolved(self.contract.document, parameter["schema"]).get("pattern", "")
+                shown = str(parameter.get("example", ""))
+                wrong = re.sub(r"(?<![\d.])\d+(?![\d.])", r"0\g<0>", shown)
+                if parameter["in"] != "query" or "[0-9]" not in pattern or wrong == shown:
+                    continue
+                seen.add(parameter["name"])
+                self.assertNotRegex(wrong, pattern)
+                ask = self.scene.ask(operation)
+                target = ask.target.replace(*(f"{parameter['name']}={urllib.parse.quote(value, safe=':,')}" for value in (shown, wrong)))
+                answer = send(self.daemon, ask._replace(target=target))
+                self.assertEqual((answer.status, answer.json.get("parameter")), (400, parameter["name"]))
+
+        seen = set()
+        self.each(check)
+        self.assertGreaterEqual(seen, {"from", "to", "via", "edge", "size"})
 
     def test_the_daemon_publishes_the_contract(self):
         published = self.daemon.get("/openapi.json").json
