@@ -8,14 +8,17 @@
 
 #include <gnutls/abstract.h>
 #include <gnutls/gnutls.h>
+#include <gnutls/x509.h>
 #include <limits.h>
 #include <pthread.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "gd/control.h"
 #include "server/base/disk.h"
+#include "server/base/log.h"
 #include "server/base/thread.h"
 
 #define CHAIN_MOST 8
@@ -86,6 +89,25 @@ static bool identity_is_pair(const struct identity *identity)
                 key_size == certificate_size && memcmp(key, certificate, key_size) == 0;
     if (public) gnutls_pubkey_deinit(public);
     return same;
+}
+
+/* Logs a certificate that clients reject because of its time. The certificate is used nevertheless:
+ * the clock may be wrong, and a daemon that does not start helps nobody. */
+static void certificate_check_time(const gnutls_pcert_st *certificate, const char *path)
+{
+    gnutls_x509_crt_t x509;
+    char date[32];
+    if (gnutls_pcert_export_x509((gnutls_pcert_st *)certificate, &x509) != 0) return;
+    time_t now = time(NULL), from = gnutls_x509_crt_get_activation_time(x509),
+           until = gnutls_x509_crt_get_expiration_time(x509);
+    gnutls_x509_crt_deinit(x509);
+    if (now >= from && now <= until) return;
+    struct tm utc;
+    strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(now < from ? &from : &until, &utc));
+    server_log_message(SERVER_LOG_WARN, "certificate",
+                       "a certificate of '%s' %s %s, so clients reject it: check the clock, or "
+                       "replace the file and send SIGHUP",
+                       path, now < from ? "is valid only from" : "has expired at", date);
 }
 
 static struct identity *identity_load(const struct server_tls *tls, char error[SERVER_ERROR])
@@ -162,6 +184,8 @@ bool server_tls_reload(struct server_tls *tls, char error[SERVER_ERROR])
 {
     struct identity *identity = identity_load(tls, error);
     if (!identity) return false;
+    for (unsigned i = 0; i < identity->count; i++)
+        certificate_check_time(&identity->chain[i], tls->certificate);
     identity_retire(tls, identity_swap(identity));
     return true;
 }

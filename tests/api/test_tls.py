@@ -72,6 +72,21 @@ class Tls(unittest.TestCase):
             self.install(self.first)
         self.assertEqual(self.ask(self.first, "GET", "/livez")[0].status, 200)
 
+    def test_an_expired_certificate_is_logged(self):
+        def warnings():
+            return [line["message"] for line in self.daemon.log if line["event"] == "certificate"]
+
+        self.assertEqual(warnings(), [])
+        request = self.folder / "request.pem"
+        for command in (["req", "-new", "-key", self.key, "-subj", "/CN=expired", "-out", request],
+                        ["x509", "-req", "-in", request, "-signkey", self.key, "-days", "-1", "-out", self.certificate]):
+            subprocess.run(["openssl", *command], check=True, capture_output=True)
+        self.assertEqual(self.daemon.reload()["event"], "reloaded")
+        self.assertRegex(warnings()[0], f"^a certificate of '{self.certificate}' has expired at 20..-..-..T..:..:..Z, so clients reject it")
+        self.assertEqual(self.daemon.stop(), 0)
+        self.daemon = Daemon("--tls-cert", str(self.certificate), "--tls-key", str(self.key))
+        self.assertEqual(len(warnings()), 1)
+
     def install(self, pair):
         shutil.copy(pair[0], self.certificate)
         shutil.copy(pair[1], self.key)
