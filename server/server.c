@@ -258,9 +258,6 @@ static bool create_parts(struct server *server, char error[SERVER_ERROR])
 {
     const struct server_config *config = &server->config;
     server_connect(server);
-    server_budget_init(&server->budget, config->memory_budget);
-    if (config->max_answer < server->budget.largest_answer)
-        server->budget.largest_answer = config->max_answer;
     /* The allocator may keep memory of released fields. This memory is taken from the budget once,
        here. So its reuse takes nothing more from the budget. */
     size_t part = server->budget.limit / SPARE_PART, spare = part < SPARE_MOST ? part : SPARE_MOST;
@@ -305,6 +302,9 @@ struct server *server_start(const struct server_config *config, int listening,
     struct server *server = calloc(1, sizeof *server);
     if (!server) return NULL;
     server->config = *config;
+    server_budget_init(&server->budget, config->memory_budget); /* before the shares of tenants */
+    if (config->max_answer < server->budget.largest_answer)
+        server->budget.largest_answer = config->max_answer;
     if (select_cpu(config, error) && open_access(server, error) && create_parts(server, error) &&
         server_serve(server, listening, error))
         return server;

@@ -252,7 +252,7 @@ bool proto_writer_check(const struct proto_writer *writer, struct proto_problem 
     proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
                       "the answer is larger than the limit of %zu bytes; ask for less of it, "
                       "with select, geometry or fewer points, or have the operator raise "
-                      "--max-answer",
+                      "--max-answer or --memory-budget",
                       writer->maximum);
     return proto_problem_limit(problem, writer->maximum);
 }

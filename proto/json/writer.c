@@ -71,6 +71,7 @@ static size_t next_capacity(const struct proto_writer *writer, size_t more)
     size_t step = writer->capacity < GROWN_SLOWLY ? writer->capacity : writer->capacity / 4;
     const struct proto_writer_sink *sink = writer->sink;
     size_t most = sink && sink->block < writer->maximum ? sink->block : writer->maximum;
+    if (writer->account && writer->account->most < most) most = writer->account->most;
     size_t capacity = writer->capacity > most - step ? most : writer->capacity + step;
     if (capacity < FIRST_CAPACITY) capacity = FIRST_CAPACITY;
     if (capacity > most) capacity = most;
@@ -103,6 +104,10 @@ static bool grow(struct proto_writer *writer, size_t more)
     }
     size_t capacity = next_capacity(writer, more),
            counted = account ? proto_writer_counted(capacity) : 0;
+    if (counted && counted > account->most) {
+        writer->maximum = account->most;
+        return fail(writer, PROTO_WRITER_TOO_LARGE);
+    }
     if (counted && !account->take(account->user, counted - writer->counted))
         return fail(writer, PROTO_WRITER_NO_ROOM);
     char *data = realloc(writer->data, capacity);

@@ -33,6 +33,7 @@ struct proto_writer_account {
     bool (*take)(void *user, size_t bytes);
     void (*give)(void *user, size_t bytes);
     void *user;
+    size_t most; /* more than these bytes never fit, however long one waits */
 };
 
 /* Receives a writer's text, block by block. */

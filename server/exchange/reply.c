@@ -76,12 +76,12 @@ static bool answer_hold(struct server_exchange *exchange, size_t size,
                         struct proto_problem *problem)
 {
     struct server_budget *budget = exchange->host->budget;
-    struct proto_writer counting = {.maximum = budget->largest_answer};
+    struct proto_writer counting = {.maximum = server_share_largest_answer(exchange->share)};
     size_t counted = proto_writer_counted(size),
            flight = size < exchange->held ? size : exchange->held;
     server_budget_give(budget, SERVER_BUDGET_FLIGHT, flight);
     exchange->held -= flight;
-    if (size > budget->largest_answer)
+    if (size > counting.maximum)
         counting.failure = PROTO_WRITER_TOO_LARGE;
     else if (counted && !server_share_take_answer(exchange->share, counted))
         counting.failure = PROTO_WRITER_NO_ROOM;

@@ -123,8 +123,17 @@ static void account_give(void *share, size_t bytes)
 
 void server_share_init(struct server_share *share, struct server_budget *budget, bool is_bounded)
 {
-    *share = (struct server_share){
-        .budget = budget, .account = {account_take, account_give, share}, .is_bounded = is_bounded};
+    size_t answers = budget->limit - budget->limit / SERVER_BUDGET_ANSWERS_PART,
+           most = is_bounded ? answers / 2 : answers; /* share_leaves */
+    *share = (struct server_share){.budget = budget,
+                                   .account = {account_take, account_give, share, most},
+                                   .is_bounded = is_bounded};
+}
+
+size_t server_share_largest_answer(const struct server_share *share)
+{
+    size_t largest = share->budget->largest_answer;
+    return share->account.most < largest ? share->account.most : largest;
 }
 
 /* Returns true if the tenant would then hold at most as much as is free. `own` and `all` are the

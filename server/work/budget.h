@@ -109,6 +109,10 @@ bool server_budget_could_take(struct server_budget *budget, size_t bytes);
 
 void server_share_init(struct server_share *share, struct server_budget *budget, bool is_bounded);
 
+/* Returns the size of the largest answer, except streams. A tenant gets at most half of the part of
+ * answers. */
+size_t server_share_largest_answer(const struct server_share *share);
+
 /* Takes bytes of SERVER_BUDGET_FLIGHT for the body of a request. Returns false and counts nothing
  * if the budget or the tenant's share has no room. server_share_admits_body checks only the
  * share. */

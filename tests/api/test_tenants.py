@@ -204,6 +204,16 @@ class Tenants(Folder):
             answer = self.ask("POST", "/v1/meshes/grid/matrix", "bob", self.LARGE, **self.BINARY)
             self.assertEqual((answer.status, len(answer.body)), (200, 84 * 12000 * 8), answer)
 
+    def test_an_answer_beyond_the_share_of_a_tenant_is_too_large(self):
+        """Such an answer never fits, so no time to try again is named."""
+        with self.start("--memory-budget", "24MiB", "--max-body", "4MiB"):
+            self.put_grids()
+            limit = self.ask("GET", "/v1", "ann").json["limits"]["max_answer_bytes"]
+            self.assertEqual(limit, 6 << 20)
+            refused = self.ask("POST", "/v1/meshes/grid/matrix", "ann", self.LARGE, **self.BINARY)
+            self.assertEqual((refused.status, refused.json["limit"], refused.headers["Retry-After"]), (507, limit, None), refused)
+            self.assertIn("--memory-budget", refused.json["detail"])
+
     def large_job(self, who):
         """Runs a job with a large result; returns its URL and its last state."""
         location = self.ask("POST", "/v1/meshes/grid/matrix", who, self.LARGE, Prefer="respond-async", **self.BINARY).headers["Location"]

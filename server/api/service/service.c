@@ -87,7 +87,7 @@ void server_handle_get_service(struct server_exchange *exchange)
                    .max_faces = config->max_faces,
                    .timeout_ms = config->timeout_ms,
                    .memory_budget_bytes = config->memory_budget,
-                   .max_answer_bytes = exchange->host->budget->largest_answer,
+                   .max_answer_bytes = server_share_largest_answer(exchange->share),
                    .workers = config->workers},
         .routes = proto_routes,
         .route_count = proto_route_count,

@@ -200,7 +200,7 @@ static void counts_large_buffers_until_they_are_freed(void **state)
 {
     (void)state;
     struct budget budget = {.most = SIZE_MAX};
-    const struct proto_writer_account account = {take, give, &budget};
+    const struct proto_writer_account account = {take, give, &budget, SIZE_MAX};
     struct proto_writer writer;
     proto_writer_init(&writer, SIZE_MAX);
     writer.account = &account;
@@ -230,7 +230,7 @@ static void fails_when_there_is_no_room(void **state)
 {
     (void)state;
     struct budget budget = {.most = 100000};
-    const struct proto_writer_account account = {take, give, &budget};
+    const struct proto_writer_account account = {take, give, &budget, SIZE_MAX};
     struct proto_writer writer;
     struct proto_problem problem;
     proto_writer_init(&writer, SIZE_MAX);
@@ -240,6 +240,25 @@ static void fails_when_there_is_no_room(void **state)
     assert_false(proto_writer_check(&writer, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
     assert_int_equal(problem.retry_after, 1);
+    proto_writer_free(&writer);
+    assert_int_equal(budget.taken, 0);
+}
+
+static void a_text_that_never_fits_is_too_large(void **state)
+{
+    (void)state;
+    struct budget budget = {.most = SIZE_MAX};
+    const struct proto_writer_account account = {take, give, &budget, 100000};
+    struct proto_writer writer;
+    struct proto_problem problem;
+    proto_writer_init(&writer, SIZE_MAX);
+    writer.account = &account;
+    append_many(&writer, 100000);
+    assert_true(proto_writer_check(&writer, &problem));
+    append_many(&writer, 1);
+    assert_false(proto_writer_check(&writer, &problem));
+    assert_int_equal(problem.limit, 100000);
+    assert_int_equal(problem.retry_after, 0);
     proto_writer_free(&writer);
     assert_int_equal(budget.taken, 0);
 }
@@ -340,6 +359,7 @@ int main(void)
         cmocka_unit_test(reserves_the_expected_size_once),
         cmocka_unit_test(counts_large_buffers_until_they_are_freed),
         cmocka_unit_test(fails_when_there_is_no_room),
+        cmocka_unit_test(a_text_that_never_fits_is_too_large),
         cmocka_unit_test(passes_the_text_to_a_sink),
         cmocka_unit_test(a_sink_can_stop_the_writer),
     };

@@ -199,6 +199,8 @@ static void a_tenant_leaves_as_much_as_it_takes(void **state)
     server_share_give_body(&ann, 512 * KIB);
     assert_true(server_share_take_body(&bob, 128 * KIB));
     server_share_give_body(&bob, 384 * KIB);
+    assert_int_equal(server_share_largest_answer(&ann), 256 * KIB);
+    assert_int_equal(server_share_largest_answer(&budget.common), 512 * KIB);
     assert_true(server_share_take_answer(&ann, 256 * KIB));
     assert_false(server_share_take_answer(&ann, 128 * KIB));
     assert_false(server_share_move_to_answers(&ann, 128 * KIB));
