@@ -249,12 +249,14 @@ static void cover_by_others(struct gd__sources *sources, uint32_t i,
 {
     double slack = gd__envelope_slack(level, sources->frame.size);
     struct probe probe = probe_of(circle, span);
+    uint32_t limit = GD__SPANS_FEW;
     for (uint32_t k = 0; k < sources->count; k++) {
         const struct gd__source *other = &sources->source[k];
         double most = level + (takes_tie(sources, k, i, level) ? slack : -slack);
         if (k == i || !may_cover(other, most, &probe)) continue;
         struct gd__turn seen = seen_by(circle, other, most);
         gd__spans_put(&sources->covered, &seen, 0);
+        if (gd__spans_settle(&sources->covered, slack / circle->radius, &limit)) break;
     }
 }
 

@@ -126,6 +126,7 @@ static enum gd_status find_rising(struct search *search, uint32_t face)
     for (uint32_t i = 0; i < search->sources.count && !status; i++) {
         bool rises;
         status = is_rising(search, i, &rises);
+        if (!status) status = gd__pace_step(&search->pace, 2 * search->sources.count);
         if (!status && rises)
             status = gd__array_append(&search->rising, &search->rising_count,
                                       &search->rising_capacity, &i, sizeof i);

@@ -341,11 +341,14 @@ static void cover_by_others(const struct work *work, const struct pair *pair)
 {
     const uint64_t *first = rivals_of(work, pair->number[0]),
                    *second = rivals_of(work, pair->number[1]);
+    struct gd__spans *covered = &work->ridges->scratch.sources.covered;
+    uint32_t limit = GD__SPANS_FEW;
     for (uint32_t word = 0; word < work->row; word++) {
         for (uint64_t bits = first[word] & second[word]; bits; bits &= bits - 1) {
             uint32_t k = word * BITS + (uint32_t)__builtin_ctzll(bits);
             if (k != pair->number[0] && k != pair->number[1]) cover_by_third(work, pair, k);
         }
+        if (gd__spans_settle(covered, GD_TOL_SPAN, &limit)) break;
     }
 }
 

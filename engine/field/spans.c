@@ -1,5 +1,7 @@
 #include "field/spans.h"
 
+#include <stdlib.h>
+
 #include "base/array.h"
 
 struct gd__turn gd__turn_around(double phi, double q)
@@ -41,9 +43,20 @@ void gd__spans_put(struct gd__spans *spans, const struct gd__turn *turn, uint32_
         append_span(spans, (struct gd__span){turn->part[i].from, turn->part[i].to, by, by});
 }
 
-/* Sorts spans by insertion, because there are few. */
+static int by_start(const void *a, const void *b)
+{
+    const struct gd__span *x = a, *y = b;
+    if (x->from != y->from) return x->from < y->from ? -1 : 1;
+    return (x->from_by > y->from_by) - (x->from_by < y->from_by);
+}
+
+/* Sorts spans by insertion if there are few, as usual. */
 static void sort_by_start(struct gd__spans *spans)
 {
+    if (spans->count > 2 * GD__SPANS_FEW) {
+        qsort(spans->span, spans->count, sizeof *spans->span, by_start);
+        return;
+    }
     for (uint32_t i = 1; i < spans->count; i++) {
         struct gd__span span = spans->span[i];
         uint32_t place = i;
@@ -51,6 +64,28 @@ static void sort_by_start(struct gd__spans *spans)
             spans->span[place] = spans->span[place - 1];
         spans->span[place] = span;
     }
+}
+
+bool gd__spans_unite(struct gd__spans *covered, double least, uint32_t *limit)
+{
+    struct gd__span *span = covered->span;
+    uint32_t joined = 0; /* the last span of the joined ones */
+    sort_by_start(covered);
+    bool has_gap = span[0].from + M_PI > least;
+    for (uint32_t i = 1; i < covered->count; i++) {
+        struct gd__span *last = &span[joined], next = span[i];
+        has_gap |= next.from - last->to > least;
+        if (next.from > last->to) {
+            span[++joined] = next;
+        } else if (next.to > last->to) {
+            last->to = next.to;
+            last->to_by = next.to_by;
+        }
+    }
+    has_gap |= M_PI - span[joined].to > least;
+    covered->count = joined + 1;
+    *limit = 2 * covered->count > GD__SPANS_FEW ? 2 * covered->count : GD__SPANS_FEW;
+    return !has_gap;
 }
 
 void gd__spans_invert(struct gd__spans *covered, double least, struct gd__spans *out)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "gd/status.h"
@@ -54,9 +55,23 @@ struct gd__spans {
 /* Appends the spans of `turn`. Each of their borders gets the number `by`. */
 void gd__spans_put(struct gd__spans *spans, const struct gd__turn *turn, uint32_t by);
 
+enum { GD__SPANS_FEW = 64 };
+
+/* Joins the spans that overlap, and sets `*limit` to the number of spans at which this is worth its
+ * time again. Returns true if there is no gap wider than `least` in [-pi, pi]. O(n log n). */
+bool gd__spans_unite(struct gd__spans *covered, double least, uint32_t *limit);
+
+/* Call this function after puts. `*limit` is GD__SPANS_FEW at first. A list then stays about as
+ * short as its union, even if thousands of spans are put. Returns true if further spans change no
+ * complement. */
+static inline bool gd__spans_settle(struct gd__spans *covered, double least, uint32_t *limit)
+{
+    return covered->count > *limit && gd__spans_unite(covered, least, limit);
+}
+
 /* Computes the complement of `covered` in [-pi, pi], without spans of width `least` or less. A
  * border gets the number of the adjacent covered span's border, or GD__SPAN_OPEN at +-pi. Sorts
- * `covered`. O(n^2) at worst. */
+ * `covered`. O(n log n). */
 #define GD__SPAN_OPEN UINT32_MAX
 void gd__spans_invert(struct gd__spans *covered, double least, struct gd__spans *out);
 

@@ -143,6 +143,7 @@ static void cover_by_others(const struct work *work, const struct gd__branch *br
                             uint32_t j)
 {
     struct gd__sources *sources = &work->scratch->sources;
+    uint32_t limit = GD__SPANS_FEW;
     for (uint32_t k = 0; k < sources->count; k++) {
         if (k == i || k == j || is_out_of_reach(work, i, k) || is_out_of_reach(work, j, k))
             continue;
@@ -151,6 +152,7 @@ static void cover_by_others(const struct work *work, const struct gd__branch *br
         gd__branch_narrow_to_view(work->diagram->field, &sources->frame, branch,
                                   &sources->source[k], &lost);
         gd__spans_put(&sources->covered, &lost, k);
+        if (gd__spans_settle(&sources->covered, GD_TOL_SPAN, &limit)) break;
     }
 }
 

@@ -495,6 +495,37 @@ static void farthest_from_many_seeds_in_a_face(void **state)
     gd_mesh_release(mesh);
 }
 
+/* Thousands of seeds in one of two faces. The call checks its control while it selects the sources,
+ * and joins the arcs that they cover: without that it would take minutes. */
+static void farthest_from_thousands_of_seeds_in_a_face(void **state)
+{
+    (void)state;
+    enum { SEEDS = 4000 };
+    static struct gd_seed seeds[SEEDS];
+    double positions[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    uint32_t corners[6] = {0, 1, 2, 0, 2, 3}, calls = 0;
+    struct gd_polygons two = {
+        .positions = positions, .position_count = 4, .polygon_count = 2, .corners = corners};
+    struct gd_mesh *mesh = test_mesh(&two);
+    struct rng rng = {7};
+    double nearest = 2; /* distance of a seed from (0, 1, 0), the farthest point */
+    for (int i = 0; i < SEEDS; i++) {
+        double u = rng_unit(&rng), v = rng_unit(&rng), x = fmax(u, v), y = fmin(u, v);
+        struct test_place place = {0, {1 - x, x - y, y}};
+        nearest = fmin(nearest, hypot(x, 1 - y));
+        seeds[i] = (struct gd_seed){.point = test_point(mesh, place)};
+    }
+    struct gd_field *field = test_field(mesh, seeds, SEEDS, 0);
+    struct gd_point point;
+    double distance;
+    struct gd_control control = {.progress = count_calls, .user = &calls};
+    check_ok(gd_field_farthest(field, &control, &point, &distance), NULL);
+    check_close(distance, nearest, promise);
+    assert_true(calls > SEEDS / 100);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+}
+
 static void other_components_and_refusals(void **state)
 {
     (void)state;
@@ -604,6 +635,7 @@ int main(void)
         cmocka_unit_test(farthest_in_partial_fields),
         cmocka_unit_test(farthest_with_late_seeds),
         cmocka_unit_test(farthest_from_many_seeds_in_a_face),
+        cmocka_unit_test(farthest_from_thousands_of_seeds_in_a_face),
         cmocka_unit_test(other_components_and_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

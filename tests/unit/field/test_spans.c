@@ -68,12 +68,51 @@ static void uncovered_spans(void **state)
     free(left.span);
 }
 
+/* Joining overlapping spans from time to time changes no complement, except that it may end early
+ * if nothing is left. */
+static void settled_spans_have_the_same_complement(void **state)
+{
+    (void)state;
+    struct rng rng = {3};
+    unsigned full = 0;
+    for (int run = 0; run < 300; run++) {
+        struct gd__spans plain = {0}, settled = {0}, left[2] = {0};
+        uint32_t limit = GD__SPANS_FEW, longest = 0;
+        double width = run % 3 ? 0.002 : 0.4;
+        bool is_full = false;
+        for (uint32_t k = 0; k < 1000; k++) {
+            double phi = M_PI * (2 * rng_unit(&rng) - 1);
+            struct gd__turn turn = gd__turn_around(phi, cos(width * rng_unit(&rng)));
+            gd__spans_put(&plain, &turn, k);
+            if (!is_full) gd__spans_put(&settled, &turn, k);
+            if (!is_full) is_full = gd__spans_settle(&settled, 1e-6, &limit);
+            if (settled.count > longest) longest = settled.count;
+        }
+        full += is_full;
+        assert_true(longest < 1000 && (run % 3 || longest < 80));
+        gd__spans_invert(&plain, 1e-6, &left[0]);
+        gd__spans_invert(&settled, 1e-6, &left[1]);
+        assert_int_equal(left[0].count, left[1].count);
+        for (uint32_t i = 0; i < left[0].count; i++) {
+            const struct gd__span *a = &left[0].span[i], *b = &left[1].span[i];
+            assert_true(a->from == b->from && a->to == b->to);
+            assert_true(a->from_by == b->from_by && a->to_by == b->to_by);
+        }
+        free(plain.span);
+        free(settled.span);
+        free(left[0].span);
+        free(left[1].span);
+    }
+    assert_in_range(full, 50, 250);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(around_an_angle),
         cmocka_unit_test(common_turns),
         cmocka_unit_test(uncovered_spans),
+        cmocka_unit_test(settled_spans_have_the_same_complement),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
