@@ -81,14 +81,23 @@ static bool answer_options(struct server_exchange *exchange, const struct proto_
     return true;
 }
 
-static bool answer_asset(struct server_exchange *exchange, const struct proto_problem *problem)
+/* Answers with the asset at the path. If there is one, but the method is neither GET nor HEAD,
+ * returns false and changes the problem to method_not_allowed. */
+static bool answer_asset(struct server_exchange *exchange, struct proto_problem *problem)
 {
+    static const char allow[] = "GET, HEAD";
     const struct proto_asset *asset = NULL;
-    if (problem->code == PROTO_PROBLEM_NOT_FOUND &&
-        (server_exchange_is(exchange, "GET") || server_exchange_is(exchange, "HEAD")))
+    if (problem->code == PROTO_PROBLEM_NOT_FOUND)
         asset = proto_asset_find(proto_assets, proto_asset_count, exchange->path);
-    if (asset) server_reply_asset(exchange, asset);
-    return asset != NULL;
+    if (!asset) return false;
+    if (server_exchange_is(exchange, "GET") || server_exchange_is(exchange, "HEAD")) {
+        server_reply_asset(exchange, asset);
+        return true;
+    }
+    (void)proto_problem_set(problem, PROTO_PROBLEM_METHOD_NOT_ALLOWED, "this path accepts %s",
+                            allow);
+    memcpy(problem->allow, allow, sizeof allow);
+    return false;
 }
 
 /* Checks the key. Unauthenticated clients get 401, never 404. */
@@ -175,7 +184,7 @@ static bool request_begin(struct server_exchange *exchange, struct proto_problem
                          &exchange->match, problem))
         return request_authorize(exchange, problem) && server_exchange_rename(exchange, problem) &&
                prepare_body(exchange, problem);
-    if (answer_options(exchange, problem) || answer_asset(exchange, problem)) return true;
+    if (answer_asset(exchange, problem) || answer_options(exchange, problem)) return true;
     struct proto_problem unauthorized;
     if (!request_authorize(exchange, &unauthorized)) *problem = unauthorized;
     return false;

@@ -236,7 +236,13 @@ class Service(TestCase):
         answer = self.daemon.request("OPTIONS", "/v1/meshes")
         self.assertEqual((answer.status, answer.headers["Allow"]), (204, "GET, HEAD, POST, OPTIONS"))
         self.assertEqual(self.daemon.request("DELETE", "/v1").headers["Allow"], "GET, HEAD, OPTIONS")
-        # the target * stands for the whole daemon
+        self.skip_without_pages()
+        for method, status in (("OPTIONS", 204), ("POST", 405), ("GET", 200)):
+            answer = self.daemon.request(method, "/docs")
+            self.assertEqual((answer.status, answer.headers["Allow"]), (status, None if method == "GET" else "GET, HEAD, OPTIONS"))
+
+    def test_options_of_the_daemon(self):
+        """The target * stands for the whole daemon."""
         answer = self.daemon.raw(b"OPTIONS * HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
         self.assertRegex(answer, rb"^HTTP/1.1 204 [^\0]*Allow: GET, HEAD, PUT, POST, PATCH, DELETE, OPTIONS\r\n")
         answer = self.daemon.raw(b"GET * HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
