@@ -159,6 +159,7 @@ PLAIN = {
     "a body of another kind": lambda scene, operation, ask: ask.plus(Content_Type="text/nonsense") if operation.body else None,
     "as a job": lambda scene, operation, ask: ask.plus(Prefer="respond-async"),
     "places outside": misplaced,
+    "a level that is too fine": lambda scene, operation, ask: ask.plus(query="level=12") if any(each["name"] == "level" for each in operation.parameters) else None,
     "a picture that is too large": lambda scene, operation, ask: instead(scene, operation, "size", "4096x4096"),
 }
 
@@ -310,6 +311,8 @@ ASLEEP = ("--memory-budget", "140MiB", "--max-body", "64MiB", "--landmarks", "0"
 def try_overload(found, folder):
     with Daemon("--data-dir", str(folder), "--workers", "1", "--queue-length", "1", *ASLEEP) as daemon:
         scene = Scene(daemon, found.contract).pretend()
+        ended = dumps({"query": "fields", "meshes": ["no-such"], "set": {"points": [{"vertex": 0}]}})
+        scene.batch = scene.end_of_job(scene.must("POST", "/v1/batches", ended, JSON))
         with hogged(daemon, 2):
             found.try_all(daemon, scene, lambda scene, operation, ask: asking(scene, operation, ask) or uploading(scene, operation, ask))
             found.try_all(daemon, scene, lambda scene, operation, ask: ask if operation.name == "delete_batch" else None)

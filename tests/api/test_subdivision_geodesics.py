@@ -130,6 +130,9 @@ class Trace(Subdivisions):
             document = {key: value for key, value in {**good, **change}.items() if value is not None}
             self.assertEqual(self.ask("cube", "trace", document, 400)["pointer"], pointer, change)
         self.assertEqual(self.ask("cube", "trace", {**good, "fan": 10001}, 413)["limit"], 10000)
+        for query in ("distance", "path"):
+            answer = self.daemon.get(f"/v1/subdivisions/cube/{query}?from=f:0:0.5,0.5&to=f:5:0.5,0.5&level=12")
+            self.assertEqual((answer.status, answer.json["parameter"]), (413, "level"))
         self.assertEqual(self.ask("prism", "trace", {**good, "level": 0, "start": {"face": 0, "uv": [0, 0]}}, 400)["pointer"], "/level")
         for smooth in (True, False):
             problem = self.ask("cube", "trace", {"start": MIDDLE, "length": 1, "directions": [0, [0, 0, 1]], "smooth": smooth}, 400)
