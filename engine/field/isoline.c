@@ -457,7 +457,9 @@ static enum gd_status trace_level(const struct gd_isoline_index *index, double l
                             .progress = progress,
                             .pace = {.control = control},
                             .parts.arena.budget.control = control};
-    if (tracer.level > field->reach) return GD_BEYOND_REACH;
+    if (field->reach < GD__FAR && tracer.level > field->reach) return GD_BEYOND_REACH;
+    /* no distance is half as large as GD__FAR, which unreached vertices have */
+    if (tracer.level >= 0.5 * GD__FAR) return export_lines(&tracer, level, out);
     enum gd_status status = gd_control_check(control, progress);
     if (!status) status = cross_edges(&tracer);
     if (!status) status = cross_faces(&tracer);

@@ -238,6 +238,9 @@ enum gd_status gd_parametric_nearest(const struct gd_parametric *surface, struct
     if (!status && surface->loops) status = nearest_on_loops(surface, xyz, control, &best);
     gd__arena_free(&arena);
     if (status) return gd_fail_status(detail, status);
+    if (!isfinite(best.distance))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the point is so far away that the square of its distance overflows");
     *out = best;
     return GD_OK;
 }

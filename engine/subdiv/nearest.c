@@ -259,6 +259,9 @@ enum gd_status gd_limit_nearest(const struct gd_subdivision *surface, struct gd_
     status = search_all(&search, control);
     gd__walker_free(&search.walker);
     if (status) return status;
+    if (!isfinite(search.square))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the point is so far away that the square of its distance overflows");
     *out = (struct gd_limit_closest){gd__place_of(surface, &search.best), search.position,
                                      sqrt(search.square)};
     return GD_OK;

@@ -115,8 +115,9 @@ struct gd_parametric_closest {
 /* Computes the point of the surface that is globally closest to `xyz`. On a trimmed surface, this
  * is the closest point within the loops. Applies Newton's method from every grid point that may be
  * near the minimum, and along loops. `control` and `detail` may be NULL. Errors:
- * GD_INVALID_ARGUMENT (not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about
- * a thousand evaluations. Source: Piegl and Tiller, The NURBS Book, section 6.1. Thread-safe. */
+ * GD_INVALID_ARGUMENT (not finite, or the square of the distance overflows), GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about a thousand evaluations. Source: Piegl and
+ * Tiller, The NURBS Book, section 6.1. Thread-safe. */
 GD_MUST_USE enum gd_status gd_parametric_nearest(const struct gd_parametric *surface,
                                                  struct gd_vec3 xyz,
                                                  const struct gd_control *control,

@@ -296,7 +296,7 @@ static struct gd_vec3 wanted_place(const struct nearest *nearest)
 static enum gd_status nurbs_find(struct nearest *nearest, const struct gd_control *control)
 {
     return gd_parametric_nearest(nurbs_of(&nearest->query), wanted_place(nearest), control,
-                                 &nearest->found.nurbs, NULL);
+                                 &nearest->found.nurbs, &nearest->detail);
 }
 
 static double nurbs_distance(const struct nearest *nearest)

@@ -1,5 +1,6 @@
 #include "isolines.h"
 
+#include <float.h>
 #include <time.h>
 
 #include "gd/locate.h"
@@ -281,6 +282,13 @@ static void refusals(void **state)
                       b = trace(partial, 0.9);
     assert_true(zero.line_count == 0 && far.line_count == 0 && a.line_count == 1 &&
                 b.line_count == 1);
+    const double huge[] = {1e299, 1e300, DBL_MAX};
+    for (int i = 0; i < 3; i++) {
+        struct gd_isoline none = trace(whole, huge[i]);
+        assert_int_equal(none.line_count, 0);
+        gd_isoline_free(&none);
+        assert_int_equal(gd_isoline_trace(partial, huge[i], NULL, &isoline), GD_BEYOND_REACH);
+    }
     check_close(a.lines[0].length, b.lines[0].length, 1e-12);
     struct gd_path path;
     assert_int_equal(gd_isoline_flatten(mesh, &a.lines[0], 0, NULL, &path), GD_INVALID_ARGUMENT);

@@ -302,6 +302,8 @@ static void nearest_points_are_global(void **state)
     struct gd_parametric_closest foot;
     assert_int_equal(gd_parametric_nearest(ring, (struct gd_vec3){NAN, 0, 0}, NULL, &foot, NULL),
                      GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_parametric_nearest(ring, (struct gd_vec3){1e155, 0, 0}, NULL, &foot, NULL),
+                     GD_INVALID_ARGUMENT);
     gd_parametric_release(ring);
     gd_parametric_release(free_form);
 }

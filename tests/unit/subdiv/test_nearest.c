@@ -67,6 +67,8 @@ static void boundary(void **state)
                mesh.polygons.positions[0][2], 1e-12);
     assert_int_equal(gd_limit_nearest(sheet, (struct gd_vec3){NAN, 0, 0}, NULL, &foot, NULL),
                      GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_limit_nearest(sheet, (struct gd_vec3){1e155, 0, 0}, NULL, &foot, NULL),
+                     GD_INVALID_ARGUMENT);
     gd_subdivision_release(sheet);
     gd_control_mesh_free(&mesh);
 }
