@@ -15,10 +15,13 @@ static void refuse_text(const struct proto_parse_end *end, struct proto_problem 
         proto_problem_limit(problem, PROTO_DECODE_DEPTH);
         return;
     }
+    /* for this error, the parser's text names one of its flags */
+    bool is_null = json_error_code(&end->error) == json_error_null_character;
     if (end->error.line > 1) snprintf(line, sizeof line, "line %d, ", end->error.line);
     proto_problem_refuse(problem, "",
                          "the body is not JSON that can be taken: %scolumn %d, byte %d: %s", line,
-                         end->error.column, end->error.position, end->error.text);
+                         end->error.column, end->error.position,
+                         is_null ? "a string holds \\u0000" : end->error.text);
 }
 
 /* Bytes that jansson uses for an empty object, for an empty array, for a value in an array

@@ -77,6 +77,9 @@ static void reports_the_position_of_an_error(void **state)
     const char *text = "{\n  \"a\": 1,\n  \"b\": ?\n}";
     assert_null(proto_decode_document(text, strlen(text), &problem));
     assert_non_null(strstr(problem.detail, "line 3, column 8, byte 20"));
+    text = "{\"a\":\"\\u0000\"}";
+    assert_null(proto_decode_document(text, strlen(text), &problem));
+    assert_non_null(strstr(problem.detail, "a string holds \\u0000"));
 }
 
 /* Decodes `depth` nested brackets. Objects have keys with brackets, which do not count. */
