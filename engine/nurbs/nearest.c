@@ -6,7 +6,14 @@
 
 /* LOOK: number of nodes between two checks of the control. SECTIONS and POLISH: numbers of steps of
  * golden section and of Newton's method in the search for the nearest place of a loop. */
-enum { GRID_FACES = 2048, STEPS_MOST = 60, LOOK = 512, SECTIONS = 40, POLISH = 4 };
+enum {
+    GRID_FACES = 2048,
+    STEPS_MOST = 60,
+    TURNS_MOST = 1000,
+    LOOK = 512,
+    SECTIONS = 40,
+    POLISH = 4
+};
 
 /* Half of the squared distance, with gradient and Hessian in (u, v). */
 struct target {
@@ -54,6 +61,18 @@ static void nurbs_nearest_step_of(const struct target *t, const bool held[2], do
     }
 }
 
+/* Returns the fraction of the step that is tried first: 1, or less if the step winds many times
+ * around a closed axis. Returns 0 if the step is not finite, as for points very far away. */
+static double first_length(const struct gd_axis *const axis[2], const double step[2])
+{
+    double length = 1;
+    if (!isfinite(step[0]) || !isfinite(step[1])) return 0;
+    for (int k = 0; k < 2; k++)
+        if (axis[k]->closed)
+            length = fmin(length, TURNS_MOST * gd__axis_period(axis[k]) / fabs(step[k]));
+    return length;
+}
+
 static void nurbs_nearest_descend(const struct gd_parametric *surface, struct gd_vec3 xyz,
                                   double at[2])
 {
@@ -62,8 +81,10 @@ static void nurbs_nearest_descend(const struct gd_parametric *surface, struct gd
         bool held[2];
         for (int k = 0; k < 2; k++)
             held[k] = nurbs_nearest_is_held(surface->axis[k], at[k], now.gradient[k]);
-        double step[2], next[2], length = 1;
+        double step[2], next[2];
         nurbs_nearest_step_of(&now, held, step);
+        double length = first_length(surface->axis, step);
+        if (!length) return;
         struct target then = now;
         for (int half = 0; half < STEPS_MOST; half++, length *= 0.5) {
             for (int k = 0; k < 2; k++) {
