@@ -19,8 +19,8 @@ struct gd__view gd__source_view(const struct gd_field *field, const struct gd__f
  * the view's source at every point of the view. */
 bool gd__view_is_beyond(const struct gd__view *view, const struct gd__source *other);
 
-/* Reduces `turn` to the spans where the branch lies inside all borders of the source's view. Returns
- * false if no span is left. */
+/* Reduces `turn` to the spans where the branch lies inside all borders of the source's view.
+ * Returns false if no span is left. */
 bool gd__branch_narrow_to_view(const struct gd_field *field, const struct gd__face_frame *frame,
                                const struct gd__branch *branch, const struct gd__source *source,
                                struct gd__turn *turn);

@@ -92,8 +92,8 @@ struct segment {
     uint32_t before; /* the previous segment in the same face, or GD_NONE if there is none */
 };
 
-/* Detects where a line meets itself. Segments are indexed by face. The vertices that the line passes
- * are marked separately. */
+/* Detects where a line meets itself. Segments are indexed by face. The vertices that the line
+ * passes are marked separately. */
 struct meetings {
     const struct gd_mesh *mesh;
     struct gd__arena arena;
