@@ -150,7 +150,9 @@ struct build {
     struct gd_field_request request;
     struct server_pending_build *pending;
     struct server_monitor part;
-    bool is_ahead; /* true if the query repeats the build if it fails */
+    /* true if another build of the query runs at the same time: the query repeats this build alone
+       if memory is short, so such a shortage fails no other query */
+    bool has_twin;
     /* the results: a pinned field, or NULL and the reason */
     const struct server_cached *cached;
     enum gd_status status;
@@ -173,6 +175,11 @@ static enum gd_status field_make(struct build *build, struct gd_field **out)
     return GD_OK;
 }
 
+static bool is_shortage(enum gd_status status)
+{
+    return status == GD_BUDGET || status == GD_NO_MEMORY;
+}
+
 /* Builds the field and ends the pending build. */
 static void build_run(struct build *build)
 {
@@ -186,7 +193,8 @@ static void build_run(struct build *build)
         server_cache_abandon(build->pending);
         status = GD_BUDGET;
     } else if (status) {
-        server_cache_fail(build->pending, build->is_ahead ? GD_CANCELLED : status);
+        server_cache_fail(build->pending,
+                          build->has_twin && is_shortage(status) ? GD_CANCELLED : status);
     } else {
         build->cached = server_cache_publish(build->pending, field);
         if (!build->cached) status = GD_NO_MEMORY;
@@ -249,17 +257,17 @@ static bool next_claim(struct server_query *query, struct build *out)
     const struct proto_located_set *set = query->field.next;
     enum gd_status why;
     if (!set) return false;
-    *out = (struct build){.query = query, .request = request_of(set, 0), .is_ahead = true};
+    *out = (struct build){.query = query, .request = request_of(set, 0)};
     return server_cache_claim(query->surface->fields, &out->request, NULL, &out->pending, &why) ==
            SERVER_CACHE_BUILD;
 }
 
-/* Runs a build of field_build. A field that is built ahead stays in the cache without a pin. */
+/* Runs a build of field_build. The second field stays in the cache without a pin. */
 static void build_task(void *user, uint32_t number)
 {
     struct build *build = (struct build *)user + number;
     build_run(build);
-    if (build->is_ahead) server_cache_unpin(build->cached);
+    if (number > 0) server_cache_unpin(build->cached);
 }
 
 static enum server_query_turn field_build(struct server_query *query)
@@ -270,12 +278,16 @@ static enum server_query_turn field_build(struct server_query *query)
     uint32_t count = 1 + next_claim(query, &builds[1]);
     double share = BUILD_SHARE / count;
     query->field.build = NULL;
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
         builds[i].part = server_query_monitor(query, i * share, share);
+        builds[i].has_twin = count > 1;
+    }
     const struct gd_executor *executor =
         server_executor_start(exchange->host->workers, count, exchange->job.deadline_ns);
     gd_executor_run(executor, build_task, builds, count);
     server_executor_stop(executor);
+    query->field.next = NULL;
+    if (builds[0].has_twin && is_shortage(builds[0].status)) return SERVER_QUERY_AGAIN;
     return builds[0].status ? server_query_fail(query, builds[0].status, WHAT)
                             : field_answer(query, builds[0].cached, BUILD_SHARE);
 }

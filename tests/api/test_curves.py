@@ -220,5 +220,20 @@ class Curves(TestCase):
             self.assertEqual((answer.status, answer.json.get("pointer")), (400, pointer), answer.json)
 
 
+class Memory(TestCase):
+    """There is memory for one field of a Hausdorff distance, but not for two."""
+    flags = ("--memory-budget", "14MiB", "--max-body", "4MiB", "--workers", "2", "--landmarks", "0")
+
+    def test_hausdorff_needs_memory_for_one_field(self):
+        cells = 60
+        self.assertEqual(self.daemon.put("terrain", sample("terrain", cells=cells, amplitude=1)).status, 201)
+        for number in range(12):
+            a, b = ({"vertices": [start, start + 1]} for start in (number * (cells + 1), (cells - number) * (cells + 1) + number))
+            found = [self.daemon.ask("terrain", "curve-distance", {"a": of, "b": to, "measure": "hausdorff"}) for of, to in ((a, b), (b, a))]
+            self.assertEqual([answer.status for answer in found], [200, 200], found)
+            self.assertEqual(found[0].json["distance"], found[1].json["distance"])
+        self.assertGreater(self.daemon.metric("cache_evictions_total"), 0)
+
+
 if __name__ == "__main__":
     unittest.main()
