@@ -290,7 +290,8 @@ static int is_worth_another(struct gdc_client *client, const struct gdc_request 
 {
     if (code == CURLE_OK)
         return (answer->status == 429 || answer->status == 503) &&
-               retry_after(client) <= RETRY_AFTER_MOST_S;
+               retry_after(client) <= RETRY_AFTER_MOST_S &&
+               (!request->once || retry_after(client) > 0);
     if (request->once) return code == CURLE_COULDNT_CONNECT;
     return code == CURLE_COULDNT_CONNECT || code == CURLE_GOT_NOTHING || code == CURLE_SEND_ERROR ||
            code == CURLE_RECV_ERROR || code == CURLE_PARTIAL_FILE;

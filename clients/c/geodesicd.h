@@ -86,7 +86,8 @@ struct gdc_request {
     const char *content_type; /* NULL means application/json */
     const char *accept;       /* NULL means application/json */
     /* nonzero if each request creates something new, as POST /v1/batches does; if the connection
-     * then fails after it was opened, the client does not repeat the request */
+     * then fails after it was opened, or the daemon refuses the request without Retry-After, the
+     * client does not repeat the request */
     int once;
 };
 

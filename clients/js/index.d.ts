@@ -114,7 +114,7 @@ export interface CallOptions extends Abortable {
   onProgress?: OnProgress;
   /**
    * false if each request creates something new, as createBatch does, so the client does not repeat
-   * the request if its connection fails
+   * the request if its connection fails, or after a refusal without Retry-After
    */
   repeatable?: boolean;
 }

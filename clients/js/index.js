@@ -569,7 +569,8 @@ export class Client {
       } catch (error) {
         if (!(error instanceof ConnectionFailed) || error instanceof OriginRefused || !repeatable || attempt >= this.retries) throw error;
       }
-      const isBusy = !response || ([429, 503].includes(response.status) && (retryAfter(response) ?? 0) <= RETRY_AFTER_MOST_MS);
+      const pauseMs = response && (retryAfter(response) ?? (repeatable ? 0 : Infinity));
+      const isBusy = !response || ([429, 503].includes(response.status) && pauseMs <= RETRY_AFTER_MOST_MS);
       if (!isBusy || attempt >= this.retries) return response;
       await response?.body?.cancel();
       await waitBefore(attempt, response, init.signal);

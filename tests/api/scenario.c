@@ -456,7 +456,7 @@ static void run_odd(struct gdc_client *client)
     EXPECT(gdc_job_wait(client, "j", &answer, &problem) == GDC_BAD_ANSWER);
 }
 
-/* The daemon of this URL refuses three requests, then closes the connection. */
+/* The daemon of this URL refuses three requests, closes the connection, refuses one more. */
 static void run_busy(struct gdc_client *client)
 {
     struct gdc_problem problem = {0};
@@ -466,8 +466,10 @@ static void run_busy(struct gdc_client *client)
            GDC_PROBLEM);
     EXPECT(problem.status == 503 && strcmp(problem.code, "overloaded") == 0);
     struct gdc_batch batch;
-    /* the daemon closes the connection on this request */
+    /* the daemon closes the connection on this request, and refuses the next one without
+     * Retry-After: both may have created a batch */
     EXPECT(gdc_batch_create(client, "{}", &batch, &problem) == GDC_NO_CONNECTION);
+    EXPECT(gdc_batch_create(client, "{}", &batch, &problem) == GDC_PROBLEM);
     run_odd(client);
     struct gdc_client *nobody = gdc_client_create("http://127.0.0.1:1", "key");
     gdc_client_set_retries(nobody, 0);

@@ -34,10 +34,10 @@ class CClient(TestCase):
             self.run_scenario("unix:" + folder + "/socket")
 
     def test_requests_are_repeated_if_the_daemon_is_busy(self):
-        with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 3, (0, {}, {}), (503, {"Retry-After": "86400"}, {}), (302, {}, {}), (200, {}, {}),
+        with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 3, (0, {}, {}), (503, {}, {}), (503, {"Retry-After": "86400"}, {}), (302, {}, {}), (200, {}, {}),
                            (200, {}, {})) as (server, url):
             self.run_program("gd_client_scenario", url, "", "busy", GEODESICD_KEY="key\n")
-            self.assertEqual(len(server.seen), 8)
+            self.assertEqual(len(server.seen), 9)
             self.assertEqual(set(server.keys), {"Bearer key"})
             self.assertEqual(server.paths[-1], "/v1/jobs/j?wait=5")  # half of the timeout
             # the client requests no compression from a daemon on the same machine

@@ -244,6 +244,10 @@ class JavaScriptClient(TestCase):
         with scenario.busy((429, {"Retry-After": "0"}, {}), (0, {}, {})) as (server, url):
             self.run_script('await assert.rejects(client.createBatch({}), geodesicd.ConnectionFailed);', url)
             self.assertEqual(len(server.seen), 2)
+        # without Retry-After the batch may exist
+        with scenario.busy((503, {}, {"code": "store_unavailable"})) as (server, url):
+            self.run_script('await assert.rejects(client.createBatch({}), { status: 503 });', url)
+            self.assertEqual(len(server.seen), 1)
         with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 9) as (server, url):
             self.run_script('await assert.rejects(client.service(), { status: 503, code: "overloaded" });', url)
             self.assertEqual(len(server.seen), 4)

@@ -221,6 +221,10 @@ class Patience(unittest.TestCase):
             # the client retries after a refusal, but not if the daemon may have received the
             # request
             self.assertEqual(len(server.seen), 2)
+        with scenario.busy((503, {}, {"code": "store_unavailable"})) as (server, url), geodesicd.Client(url) as client:
+            with self.assertRaises(geodesicd.Overloaded):  # the batch may exist
+                client.create_batch({"query": "fields"})
+            self.assertEqual(len(server.seen), 1)
 
     def test_the_client_waits_for_retry_after(self):
         with scenario.busy((503, {"Retry-After": "1"}, {})) as (server, url), geodesicd.Client(url) as client:

@@ -370,8 +370,8 @@ class Client:
         """Sends any request. With `progress` the request runs as a job, and the method waits for
         it. If the wait is interrupted, the method cancels the job. Set repeatable=False for
         requests that create something new each time. The client then does not repeat the request if
-        the connection fails. The daemon may have executed such a request although the method raises
-        ConnectionFailed."""
+        the connection fails, or after a refusal without Retry-After. The daemon may have executed
+        such a request although the method raises ConnectionFailed or Overloaded."""
         if progress is None or progress is False:
             return self.transport.request(method, path, query, body, headers, repeatable)
         job = self.submit(method, path, query, body, headers)

@@ -91,8 +91,8 @@ class Transport:
         """Returns the answer, or raises the exception for the problem that it reports. Sends bytes
         unchanged and other bodies as JSON. Omits parameters of the query that are None.
         Set repeatable=False for requests that create something new each time. The client then does
-        not repeat the request if the connection fails after it was opened, because the daemon may
-        have received the request."""
+        not repeat the request if the connection fails after it was opened, or after a refusal
+        without Retry-After, because the daemon may have executed the request."""
         fields = {name: _parameter(value) for name, value in (query or {}).items() if value is not None}
         target = self._parts.path * (self._parts.scheme != "unix") + path + ("?" + urllib.parse.urlencode(fields) if fields else "")
         sent = {**self._headers, **(headers or {})}
@@ -115,7 +115,7 @@ class Transport:
                 self._wait(attempt, None)
                 continue
             retry_after = _seconds(response.headers.get("Retry-After"))
-            is_busy = response.status in (429, 503) and (retry_after or 0) <= RETRY_AFTER_MOST
+            is_busy = response.status in (429, 503) and (retry_after or 0) <= RETRY_AFTER_MOST and (repeatable or retry_after is not None)
             if not is_busy or attempt == self.retries:
                 return _checked(response, retry_after)
             self._wait(attempt, retry_after)

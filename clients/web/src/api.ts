@@ -136,8 +136,8 @@ export class Api {
   }
 
   /**
-   * Sends a request, and again after a refusal with Retry-After because the daemon is busy. The
-   * daemon has not begun a request that it refuses, so each method may be repeated.
+   * Sends a request, and again after a refusal with Retry-After because the daemon is busy. With
+   * this header, the daemon says that a repetition does no harm, whatever the method.
    */
   async persist(send: () => Promise<Response>, signal?: AbortSignal): Promise<Response> {
     for (let repeats = 0; ; repeats++) {

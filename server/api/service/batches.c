@@ -1,5 +1,6 @@
 /* Batches: creates, lists, describes and removes them, and reads their answers
- * (jobs/batch_runner.h). All steps run on workers, because they read the queue's database. */
+ * (jobs/batch_runner.h). All steps run on workers or on the thread of batches, because they read
+ * the queue's database. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -101,6 +102,20 @@ static bool check_room(struct server_exchange *exchange, struct server_store_sql
     return server_reply_check(exchange, proto_problem_limit(&problem, BATCHES_MOST), &problem);
 }
 
+/* Replies unless the batch was added. The reply has no Retry-After if the batch may exist: a
+ * repeated request would add a second one. */
+static bool check_added(struct server_exchange *exchange, enum server_outcome outcome)
+{
+    struct proto_problem problem;
+    if (outcome != SERVER_STORE_UNAVAILABLE) return check_outcome(exchange, outcome);
+    return server_reply_check(
+        exchange,
+        proto_problem_set(&problem, PROTO_PROBLEM_STORE_UNAVAILABLE,
+                          "the database does not answer, and it is not known whether it has added "
+                          "the batch; GET /v1/batches lists the batch in that case"),
+        &problem);
+}
+
 static void add_batch(struct server_exchange *exchange, const struct proto_many *many)
 {
     struct proto_many_state batch = {.items = many->item_count};
@@ -110,7 +125,7 @@ static void add_batch(struct server_exchange *exchange, const struct proto_many 
     batch.created = server_job_id_create(batch.id);
     const struct server_batch_order order = {&batch, exchange->tenant, exchange->body.bytes,
                                              exchange->body.size, etag};
-    if (!check_outcome(exchange, server_batch_queue_add(sql, &order))) return;
+    if (!check_added(exchange, server_batch_queue_add(sql, &order))) return;
     server_batch_runner_wake(exchange->host->api->batches);
     server_reply_header(exchange, "Location", "/v1/batches/%s", batch.id);
     reply_batch(exchange, 201, &batch);
