@@ -3,7 +3,7 @@ import concurrent.futures
 import time
 
 from cluster import Relay
-from harness import sample, wait_until
+from harness import SQUARE, sample, wait_until
 from jobs import ASYNC, big_mesh
 from test_batches import begin, follow, results, wait
 from test_nodes import LONG, Shared, setUpModule  # noqa: F401  (skips without PostgreSQL)
@@ -52,6 +52,23 @@ class Spread(Shared):
             self.assertEqual(waiting.result().json["state"], "cancelled")
             self.assertFalse(reading.done())
             relay.mend()
+
+    def test_a_batch_that_may_exist(self):
+        """The response names no time for a repetition, which could add a second batch."""
+        relay = Relay(self.database.port)
+        self.addCleanup(relay.close)
+        node = self.start("--landmarks", "0", port=relay.port)
+        self.assertEqual(node.put("square", SQUARE).status, 201)
+        document = {"query": "all-pairs", "mesh": "square", "vertices": [0]}
+        self.database.query("CREATE FUNCTION public.nap() RETURNS trigger LANGUAGE plpgsql AS 'BEGIN PERFORM pg_sleep(0.5); RETURN NEW; END'")
+        self.addCleanup(self.database.query, "DROP FUNCTION public.nap() CASCADE")
+        self.database.query("CREATE TRIGGER nap BEFORE INSERT ON geodesicd.batches FOR EACH ROW EXECUTE FUNCTION public.nap()")
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            adding = pool.submit(begin, node, document)
+            wait_until(lambda: self.database.query("SELECT count(*) FROM pg_stat_activity WHERE wait_event = 'PgSleep'") == "1")
+            relay.refuse()
+            answer = adding.result()
+        self.assertEqual((answer.status, answer.json["code"], answer.headers["Retry-After"]), (503, "store_unavailable", None))
 
     def test_the_database_stops_and_returns(self):
         nodes = [self.start(), self.start()]
