@@ -203,7 +203,7 @@ class Work(OneWorker):
     def test_two_jobs_share_one_build(self):
         builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
         first = self.start_field(400)
-        self.wait(first, "running")
+        wait_until(lambda: self.daemon.metric("cache_builds_total") > builds)
         # more jobs than the queue holds
         others = [self.start("/v1/meshes/big/distance", pair(400, target)) for target in range(5)]
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
