@@ -136,12 +136,23 @@ struct server_record *server_record_copy(const struct server_record *record, con
     return NULL;
 }
 
+/* Under the lock: replaces the caption, and returns the former one. */
+static char *caption_replace(struct server_record *record, char *caption)
+{
+    char *before = record->caption;
+    record->caption = caption;
+    if (record->budget)
+        server_budget_adjust(record->budget, SERVER_BUDGET_RECORDS, text_bytes(before),
+                             text_bytes(caption));
+    return before;
+}
+
 bool server_record_set_caption(struct server_record *record, const char *caption)
 {
     char *text = *caption ? strdup(caption) : NULL;
     if (*caption && !text) return false;
-    free(record->caption);
-    record->caption = text;
+    SERVER_LOCK(&caption_lock);
+    free(caption_replace(record, text));
     return true;
 }
 
@@ -154,12 +165,7 @@ void server_record_caption(const struct server_record *record, char out[SERVER_C
 void server_record_exchange_captions(struct server_record *to, struct server_record *from)
 {
     SERVER_LOCK(&caption_lock);
-    char *before = to->caption;
-    size_t given = text_bytes(before), taken = text_bytes(from->caption);
-    to->caption = from->caption;
-    from->caption = before;
-    if (to->budget) server_budget_adjust(to->budget, SERVER_BUDGET_RECORDS, given, taken);
-    if (from->budget) server_budget_adjust(from->budget, SERVER_BUDGET_RECORDS, taken, given);
+    (void)caption_replace(from, caption_replace(to, from->caption));
 }
 
 struct server_attached *server_record_attach(struct server_record *record,

@@ -108,14 +108,13 @@ void server_record_release(struct server_record *record); /* NULL is allowed */
  * if out of memory. */
 struct server_record *server_record_copy(const struct server_record *record, const char *caption);
 
-/* Sets the caption. Call this function before the record is counted and shared. Returns false if
- * out of memory. */
+/* Sets the caption. The record may be shared. Returns false if out of memory. */
 bool server_record_set_caption(struct server_record *record, const char *caption);
 
 /* Writes the caption, one line of UTF-8, or "" if there is none. */
 void server_record_caption(const struct server_record *record, char out[SERVER_CAPTION]);
 
-/* Exchanges the captions of two records. `to` may be shared. */
+/* Exchanges the captions of two records, which may be shared. */
 void server_record_exchange_captions(struct server_record *to, struct server_record *from);
 
 /* Returns true if both records come from the same upload, that is, if they are equal and have the

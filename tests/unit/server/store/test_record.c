@@ -243,6 +243,20 @@ static void a_record_is_counted_once_until_it_is_released(void **state)
     assert_int_equal(budget.total, 0);
 }
 
+static void the_caption_of_a_counted_record_is_counted(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    struct server_record *record = new_record("a", "v 0 0 0\n");
+    server_budget_init(&budget, sizeof *record + 1000);
+    assert_true(server_record_take(record, &budget));
+    size_t bytes = budget.used[SERVER_BUDGET_RECORDS];
+    assert_true(server_record_set_caption(record, "scan"));
+    assert_int_equal(budget.used[SERVER_BUDGET_RECORDS], bytes + sizeof "scan");
+    server_record_release(record);
+    assert_int_equal(budget.total, 0);
+}
+
 static void a_long_description_is_shortened_when_it_is_read(void **state)
 {
     (void)state;
@@ -277,6 +291,7 @@ int main(void)
         cmocka_unit_test(version_1_is_a_mesh_without_tenant),
         cmocka_unit_test(nothing_leaks_without_memory),
         cmocka_unit_test(a_record_is_counted_once_until_it_is_released),
+        cmocka_unit_test(the_caption_of_a_counted_record_is_counted),
         cmocka_unit_test(a_long_description_is_shortened_when_it_is_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
