@@ -14,6 +14,7 @@
 #include "server/query/handlers.h"
 #include "server/query/request.h"
 #include "server/surfaces/landmarks.h"
+#include "server/work/executor.h"
 
 #define JSON  "application/json"
 #define BYTES "application/octet-stream"
@@ -163,6 +164,28 @@ struct server_budgeted_call server_query_begin_call(struct server_query *query,
                                              server_exchange_control(part ? part : &query->whole),
                                          .grant = grant,
                                          .held = &query->held};
+}
+
+static void task_run(void *user, uint32_t number)
+{
+    struct server_tasks *tasks = user;
+    int none = GD_OK;
+    if (atomic_load(&tasks->failure)) return;
+    enum gd_status status = tasks->run(tasks->user, number);
+    if (status) atomic_compare_exchange_strong(&tasks->failure, &none, (int)status);
+}
+
+enum gd_status server_query_run_tasks(const struct server_query *query, struct server_tasks *tasks,
+                                      uint32_t count)
+{
+    const struct server_exchange *exchange = query->exchange;
+    const struct gd_executor *executor =
+        exchange->work && count > 1
+            ? server_executor_start(exchange->host->workers, count, exchange->job.deadline_ns)
+            : NULL;
+    gd_executor_run(executor, task_run, tasks, count);
+    server_executor_stop(executor);
+    return (enum gd_status)atomic_load(&tasks->failure);
 }
 
 const struct gd_landmarks *server_query_landmarks(struct server_query *query)

@@ -23,6 +23,8 @@
  * query or the exchange. */
 #pragma once
 
+#include <stdatomic.h>
+
 #include <jansson.h>
 
 #include "gd/query.h"
@@ -238,6 +240,18 @@ void *server_query_allocate(struct server_query *query, size_t count, size_t siz
  * NULL means all of it. The query holds the bytes of the call's result. */
 struct server_budgeted_call server_query_begin_call(struct server_query *query,
                                                     struct server_monitor *part, size_t grant);
+
+/* The parallel tasks of a query. */
+struct server_tasks {
+    enum gd_status (*run)(void *user, uint32_t number);
+    void *user;
+    atomic_int failure; /* the status of the first task that failed */
+};
+
+/* Runs `count` tasks, in parallel if the query is on a worker. After the first failure no further
+ * task begins. Returns this failure. */
+GD_MUST_USE enum gd_status server_query_run_tasks(const struct server_query *query,
+                                                  struct server_tasks *tasks, uint32_t count);
 
 /* Returns the landmarks of the mesh, valid as long as the query; NULL means that there are none. */
 const struct gd_landmarks *server_query_landmarks(struct server_query *query);

@@ -21,7 +21,6 @@
 #include "server/fields/cache.h"
 #include "server/query/query.h"
 #include "server/work/budgeted_call.h"
-#include "server/work/executor.h"
 
 #define MOST  4000000 /* largest number of pairs or points in a request */
 #define PIECE 16384   /* number of points that one task locates or evaluates */
@@ -85,18 +84,12 @@ static bool list_decode(struct server_query *query, const json_t *document, cons
     return true;
 }
 
-/* Runs a task for each piece of `count` items, in parallel if there are several pieces. */
-static void pieces_run(const struct server_query *query, uint32_t count,
-                       void (*run)(void *user, uint32_t piece), void *user)
+/* Runs a task for each piece of `count` items. */
+static enum gd_status pieces_run(const struct server_query *query, uint32_t count,
+                                 enum gd_status (*run)(void *user, uint32_t piece), void *user)
 {
-    const struct server_exchange *exchange = query->exchange;
-    uint32_t pieces = count / PIECE + (count % PIECE > 0);
-    const struct gd_executor *executor =
-        pieces > 1 && exchange->work
-            ? server_executor_start(exchange->host->workers, pieces, exchange->job.deadline_ns)
-            : NULL;
-    gd_executor_run(executor, run, user, pieces);
-    server_executor_stop(executor);
+    struct server_tasks tasks = {.run = run, .user = user};
+    return server_query_run_tasks(query, &tasks, count / PIECE + (count % PIECE > 0));
 }
 
 /* --- a list as text --------------------------------------------------------------------------- */
@@ -106,10 +99,9 @@ struct list_text {
     const struct server_query *query;
     const struct point_list *list;
     struct proto_bulk_text pieces[MOST / PIECE + 1];
-    atomic_bool has_failed;
 };
 
-static void text_locate_piece(void *user, uint32_t piece)
+static enum gd_status text_locate_piece(void *user, uint32_t piece)
 {
     struct list_text *text = user;
     const struct point_list *list = text->list;
@@ -117,7 +109,7 @@ static void text_locate_piece(void *user, uint32_t piece)
     const struct gd_control control = server_exchange_control(&monitor);
     struct proto_bulk_text points = text->pieces[piece];
     uint32_t i = piece * PIECE, end = list->count - i < PIECE ? list->count : i + PIECE;
-    bool ok = !atomic_load(&text->has_failed) && !gd_control_check(&control, 0);
+    bool ok = !gd_control_check(&control, 0);
     for (; i < end && ok; i++) {
         struct proto_problem problem;
         struct proto_point point;
@@ -125,7 +117,7 @@ static void text_locate_piece(void *user, uint32_t piece)
              proto_point_locate(text->query->surface->mesh, &point, &list->points[i],
                                 &list->snaps[i], &problem);
     }
-    if (!ok || points.at != points.end) atomic_store(&text->has_failed, true);
+    return ok && points.at == points.end ? GD_OK : GD_SYNTAX;
 }
 
 /* Reads a list whose opening bracket was already read. Returns false if the text is not plain, or a
@@ -141,8 +133,7 @@ static bool list_read_text(struct server_query *query, struct proto_bulk_text *a
         count += some;
     }
     if (!is_last || count > MOST || !list_reserve(query, count, "", list)) return false;
-    pieces_run(query, count, text_locate_piece, &text);
-    return !atomic_load(&text.has_failed);
+    return !pieces_run(query, count, text_locate_piece, &text);
 }
 
 /* --- a list as arrays ------------------------------------------------------------------------- */
@@ -153,8 +144,7 @@ struct list_arrays {
     const struct server_array *points, *faces, *places;
     const struct gd_mesh *mesh;
     const struct point_list *list;
-    atomic_int status;     /* status of the first failure */
-    atomic_uint failed_at; /* index of the point at which it occurred */
+    atomic_uint failed_at; /* index of a point that can't be located */
 };
 
 static enum gd_status array_locate(const struct list_arrays *arrays, uint32_t i,
@@ -181,17 +171,17 @@ static enum gd_status array_locate(const struct list_arrays *arrays, uint32_t i,
     return status;
 }
 
-static void arrays_locate_piece(void *user, uint32_t piece)
+static enum gd_status arrays_locate_piece(void *user, uint32_t piece)
 {
     struct list_arrays *arrays = user;
     const struct point_list *list = arrays->list;
     uint32_t i = piece * PIECE, end = list->count - i < PIECE ? list->count : i + PIECE;
-    for (; i < end && !atomic_load_explicit(&arrays->status, memory_order_relaxed); i++) {
-        int none = GD_OK;
-        enum gd_status status = array_locate(arrays, i, &list->points[i], &list->snaps[i], NULL);
-        if (status && atomic_compare_exchange_strong(&arrays->status, &none, (int)status))
-            atomic_store(&arrays->failed_at, i);
+    enum gd_status status = GD_OK;
+    for (; i < end && !status; i++) {
+        status = array_locate(arrays, i, &list->points[i], &list->snaps[i], NULL);
+        if (status) atomic_store(&arrays->failed_at, i);
     }
+    return status;
 }
 
 static bool arrays_check(const struct list_arrays *arrays, const char *name,
@@ -226,8 +216,7 @@ static bool list_read(struct server_query *query, const struct server_arrays *al
     if (!arrays_check(&arrays, pointer, problem)) return false;
     uint64_t count = arrays.points ? arrays.points->rows : arrays.faces->rows;
     if (!list_reserve(query, count, pointer, list)) return false;
-    pieces_run(query, list->count, arrays_locate_piece, &arrays);
-    if (!atomic_load(&arrays.status)) return true;
+    if (!pieces_run(query, list->count, arrays_locate_piece, &arrays)) return true;
     uint32_t at = atomic_load(&arrays.failed_at);
     enum gd_status status = array_locate(&arrays, at, &list->points[at], &list->snaps[at], &detail);
     proto_problem_from_status(problem, status, &detail);
@@ -258,7 +247,6 @@ struct pairs_query {
     struct gd_point *columns; /* the other ends of the pairs, sorted as `order` */
     double *found;            /* the distances of the pairs, sorted as `order` */
     const struct gd_field *field;
-    atomic_int status; /* the first failure */
 };
 
 static const char *const pairs_arrays[] = {
@@ -400,12 +388,6 @@ static const struct gd_point *group_point(const struct pairs_query *own, uint32_
     return end_of(own->row, own->order[own->group[group]].pair);
 }
 
-static void note_status(struct pairs_query *own, enum gd_status status)
-{
-    int none = GD_OK;
-    if (status) atomic_compare_exchange_strong(&own->status, &none, (int)status);
-}
-
 /* --- pairs: groups with a cached field -------------------------------------------------------- */
 
 struct group_run {
@@ -413,7 +395,7 @@ struct group_run {
     uint32_t begin, end; /* indices in `order` */
 };
 
-static void group_evaluate_piece(void *user, uint32_t piece)
+static enum gd_status group_evaluate_piece(void *user, uint32_t piece)
 {
     const struct group_run *run = user;
     struct pairs_query *own = run->own;
@@ -421,22 +403,25 @@ static void group_evaluate_piece(void *user, uint32_t piece)
     const struct gd_control control = server_exchange_control(&monitor);
     uint32_t begin = run->begin + piece * PIECE,
              count = run->end - begin < PIECE ? run->end - begin : PIECE;
-    if (atomic_load_explicit(&own->status, memory_order_relaxed)) return;
-    note_status(own, gd_field_distances(own->field, own->columns + begin, count, &control,
-                                        own->found + begin));
+    return gd_field_distances(own->field, own->columns + begin, count, &control,
+                              own->found + begin);
 }
 
-/* Answers the group from a cached field. Returns false if the field is not cached. */
-static bool group_find(struct pairs_query *own, uint32_t group)
+/* Answers the group from a cached field. If there is none, the group becomes pending. */
+static enum gd_status group_find(struct pairs_query *own, uint32_t group)
 {
     struct group_run run = {own, own->group[group], own->group[group + 1]};
     const struct server_cached *cached =
         server_cache_find(own->query.surface->fields, group_point(own, group));
-    if (!cached) return false;
+    if (!cached) {
+        own->pending[own->pending_count++] = group;
+        return GD_OK;
+    }
     own->field = cached->field;
-    pieces_run(&own->query, run.end - run.begin, group_evaluate_piece, &run);
+    enum gd_status status =
+        pieces_run(&own->query, run.end - run.begin, group_evaluate_piece, &run);
     server_cache_unpin(cached);
-    return true;
+    return status;
 }
 
 /* --- pairs: the other groups ------------------------------------------------------------------ */
@@ -467,17 +452,13 @@ static enum gd_status group_search(struct pairs_query *own, uint32_t group,
     return status;
 }
 
-static void group_run(void *user, uint32_t number)
+static enum gd_status group_run(void *user, uint32_t number)
 {
     struct pairs_query *own = user;
     uint32_t group = own->pending[number], count = own->group[group + 1] - own->group[group];
     double share = 1.0 / own->pending_count;
     struct server_monitor monitor = server_query_monitor(&own->query, number * share, share);
-    if (atomic_load(&own->status)) return;
-    if (count < FEW) {
-        note_status(own, group_search(own, group, &monitor));
-        return;
-    }
+    if (count < FEW) return group_search(own, group, &monitor);
     struct server_budgeted_call call = {.workspaces = own->query.exchange->host->workspaces,
                                         .control = server_exchange_control(&monitor),
                                         .grant =
@@ -485,16 +466,7 @@ static void group_run(void *user, uint32_t number)
                                         .aside = (size_t)count * COLUMN};
     while (server_budgeted_call_next(&call))
         call.status = group_propagate(own, group, &call.control);
-    note_status(own, call.status);
-}
-
-static void pending_run(struct pairs_query *own)
-{
-    const struct server_exchange *exchange = own->query.exchange;
-    const struct gd_executor *executor = server_executor_start(
-        exchange->host->workers, own->pending_count, exchange->job.deadline_ns);
-    gd_executor_run(executor, group_run, own, own->pending_count);
-    server_executor_stop(executor);
+    return call.status;
 }
 
 /* --- pairs: the answer ------------------------------------------------------------------------ */
@@ -505,11 +477,13 @@ static enum gd_status pairs_work(struct pairs_query *own)
     if (by_from > 1 && pairs_sort(own, &own->to) > by_from) pairs_sort(own, &own->from);
     for (uint32_t i = 0; i < own->count; i++)
         own->columns[i] = *end_of(own->column, own->order[i].pair);
-    for (uint32_t group = 0; group < own->group_count && !atomic_load(&own->status); group++)
-        if (!group_find(own, group)) own->pending[own->pending_count++] = group;
-    if (own->pending_count) pending_run(own);
+    struct server_tasks pending = {.run = group_run, .user = own};
+    enum gd_status status = GD_OK;
+    for (uint32_t group = 0; group < own->group_count && !status; group++)
+        status = group_find(own, group);
+    if (!status) status = server_query_run_tasks(&own->query, &pending, own->pending_count);
     for (uint32_t i = 0; i < own->count; i++) own->distances[own->order[i].pair] = own->found[i];
-    return (enum gd_status)atomic_load(&own->status);
+    return status;
 }
 
 static enum server_query_turn pairs_solve(struct server_query *query)

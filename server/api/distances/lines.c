@@ -2,7 +2,6 @@
  * them one by one. */
 #include "server/query/handlers.h"
 
-#include <stdatomic.h>
 #include <stdlib.h>
 
 #include "proto/json/writer.h"
@@ -10,7 +9,6 @@
 #include "proto/values/path.h"
 #include "server/query/query.h"
 #include "server/query/result.h"
-#include "server/work/executor.h"
 
 #define BYTES_A_TRACE ((size_t)1 << 20)
 #define ISOLINE_EDGE  32  /* bytes needed for each edge of the mesh while an isoline is traced */
@@ -227,49 +225,35 @@ static enum server_query_turn levels_write(struct isolines_query *own)
     return server_query_end_draft(query, GD_OK, WHAT);
 }
 
-/* Levels that are traced in parallel. */
-struct level_run {
-    struct isolines_query *own;
-    atomic_int status; /* the first failure */
-};
-
-static void level_trace(void *user, uint32_t number)
+static enum gd_status level_trace(void *user, uint32_t number)
 {
-    struct level_run *run = user;
-    struct isolines_query *own = run->own;
+    struct isolines_query *own = user;
     uint32_t level = own->traced + number, count = own->wanted.level_count;
     struct server_monitor one =
         server_query_monitor(&own->query, TRACE_SHARE * level / count, TRACE_SHARE / count);
     struct server_budgeted_call call = {.workspaces = own->query.exchange->host->workspaces,
                                         .control = server_exchange_control(&one),
                                         .grant = trace_grant(&own->query, ISOLINE_EDGE)};
-    int none = GD_OK;
-    if (atomic_load(&run->status)) return;
     while (server_budgeted_call_next(&call)) {
         call.status = gd_isoline_trace_indexed(own->index, own->wanted.levels[level], &call.control,
                                                &own->isolines[level]);
         call.kept = own->isolines[level].bytes;
     }
-    if (call.status) atomic_compare_exchange_strong(&run->status, &none, (int)call.status);
+    return call.status;
 }
 
 /* Traces the next levels in parallel, and counts their lines. */
 static bool levels_trace_some(struct isolines_query *own)
 {
-    const struct server_exchange *exchange = own->query.exchange;
-    struct level_run run = {.own = own};
+    struct server_tasks tasks = {.run = level_trace, .user = own};
     uint32_t rest = own->wanted.level_count - own->traced, some = rest < LEVELS ? rest : LEVELS;
-    const struct gd_executor *executor =
-        server_executor_start(exchange->host->workers, some, exchange->job.deadline_ns);
-    gd_executor_run(executor, level_trace, &run, some);
-    server_executor_stop(executor);
+    enum gd_status status = server_query_run_tasks(&own->query, &tasks, some);
     for (uint32_t i = own->traced; i < own->traced + some; i++) {
         own->query.held += own->isolines[i].bytes;
         own->traced_bytes += own->isolines[i].bytes;
     }
     own->traced += some;
-    if (run.status)
-        return server_query_refuse(&own->query, (enum gd_status)run.status, "the isoline");
+    if (status) return server_query_refuse(&own->query, status, "the isoline");
     for (uint32_t i = own->traced - some; i < own->traced; i++)
         if (!lines_admit(own, &own->isolines[i])) return false;
     return true;

@@ -20,7 +20,6 @@
 #include "server/fields/cache.h"
 #include "server/query/query.h"
 #include "server/work/budgeted_call.h"
-#include "server/work/executor.h"
 
 /* searches for this many columns take half as long as a field */
 #define FEW_COLUMNS (SERVER_CACHE_SEARCHES / 2)
@@ -47,7 +46,7 @@ struct matrix_query {
     struct point_index rows, columns;
     double *row_distances; /* rows x columns */
     atomic_size_t grant;   /* bytes that were sufficient for the rows computed so far */
-    atomic_int status;     /* the first failure */
+    struct server_tasks tasks;
 };
 
 struct matrix_row {
@@ -112,7 +111,7 @@ static bool points_index(const struct proto_located_points *list, struct point_i
 static bool row_on_progress(void *user, double fraction)
 {
     struct matrix_row *row = user;
-    if (atomic_load_explicit(&row->matrix->status, memory_order_relaxed) != GD_OK) return false;
+    if (atomic_load_explicit(&row->matrix->tasks.failure, memory_order_relaxed)) return false;
     struct gd_control control = server_exchange_control(&row->monitor);
     return control.progress(control.user, fraction);
 }
@@ -235,7 +234,7 @@ static enum gd_status row_solve(struct matrix_row *row)
     return is_short ? row_search(row) : row_propagate(row);
 }
 
-static void row_run(void *user, uint32_t number)
+static enum gd_status row_run(void *user, uint32_t number)
 {
     struct matrix_query *matrix = user;
     double share = 1.0 / matrix->rows.count;
@@ -244,20 +243,7 @@ static void row_run(void *user, uint32_t number)
         .point = &matrix->rows.points[number],
         .distances = matrix->row_distances + (size_t)number * matrix->columns.count,
         .monitor = server_query_monitor(&matrix->query, number * share, share)};
-    int none = GD_OK;
-    if (atomic_load(&matrix->status) != GD_OK) return;
-    enum gd_status status = row_solve(&row);
-    if (status) atomic_compare_exchange_strong(&matrix->status, &none, (int)status);
-}
-
-static enum gd_status rows_run(struct matrix_query *matrix)
-{
-    const struct server_exchange *exchange = matrix->query.exchange;
-    const struct gd_executor *executor = server_executor_start(
-        exchange->host->workers, matrix->rows.count, exchange->job.deadline_ns);
-    gd_executor_run(executor, row_run, matrix, matrix->rows.count);
-    server_executor_stop(executor);
-    return (enum gd_status)atomic_load(&matrix->status);
+    return row_solve(&row);
 }
 
 /* --- the matrix ------------------------------------------------------------------------------- */
@@ -285,7 +271,11 @@ static enum gd_status matrix_work(struct matrix_query *matrix)
     matrix->grant = server_distances_only_grant(matrix->query.surface->mesh);
     matrix->row_distances =
         malloc((size_t)matrix->rows.count * matrix->columns.count * sizeof *matrix->row_distances);
-    enum gd_status status = ok && matrix->row_distances ? rows_run(matrix) : GD_NO_MEMORY;
+    matrix->tasks = (struct server_tasks){.run = row_run, .user = matrix};
+    enum gd_status status =
+        ok && matrix->row_distances
+            ? server_query_run_tasks(&matrix->query, &matrix->tasks, matrix->rows.count)
+            : GD_NO_MEMORY;
     if (!status) matrix_spread(matrix);
     free(sources.points);
     free(targets.points);
