@@ -90,13 +90,13 @@ void server_address_format(const struct server_address *address, char text[SERVE
 }
 
 /* Removes a unix socket that a dead process left. Any other file is not removed, and makes bind
- * fail. */
+ * fail. The probe does not wait for a process that accepts no connections. */
 static void stale_socket_remove(const struct server_address *address)
 {
     const char *path = ((const struct sockaddr_un *)&address->socket)->sun_path;
     struct stat found;
     if (stat(path, &found) != 0 || !S_ISSOCK(found.st_mode)) return;
-    int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (probe < 0) return;
     if (connect(probe, (const struct sockaddr *)&address->socket, address->size) != 0 &&
         errno == ECONNREFUSED)

@@ -1,6 +1,8 @@
 #include "tests/unit/server/support.h"
 
+#include <errno.h>
 #include <stdio.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include "server/config/config.h"
@@ -138,6 +140,44 @@ static void listens_on_loopback_only(void **state)
         assert_wrong(LOAD("--listen", open[i]), "refusing to listen");
 }
 
+/* Connects until the queue of the listening socket is full. Returns the number of connections. */
+static int queue_fill(const struct server_address *address, int clients[8])
+{
+    for (int i = 0; i < 8; i++) {
+        clients[i] = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0);
+        if (connect(clients[i], (const struct sockaddr *)&address->socket, address->size) == 0)
+            continue;
+        assert_int_equal(errno, EAGAIN);
+        close(clients[i]);
+        return i;
+    }
+    return 8;
+}
+
+static void refuses_the_socket_of_a_process_that_accepts_no_connection(void **state)
+{
+    (void)state;
+    struct server_address address;
+    char name[] = "/tmp/geodesicd-test-XXXXXX", text[64], error[SERVER_ERROR] = "";
+    int clients[8], busy = socket(AF_UNIX, SOCK_STREAM, 0);
+    assert_non_null(mkdtemp(name));
+    snprintf(text, sizeof text, "unix:%s/socket", name);
+    assert_true(server_address_parse(text, &address, error));
+    const struct sockaddr_un *place = (const struct sockaddr_un *)&address.socket;
+    assert_int_equal(bind(busy, (const struct sockaddr *)place, address.size), 0);
+    assert_int_equal(listen(busy, 0), 0);
+    int count = queue_fill(&address, clients), second = server_address_bind(&address, error);
+    assert_in_range(count, 1, 7);
+    assert_false(server_address_listen(second, &address, error));
+    assert_non_null(strstr(error, "Address already in use"));
+    assert_int_equal(access(place->sun_path, F_OK), 0);
+    for (int i = 0; i < count; i++) close(clients[i]);
+    close(second);
+    close(busy);
+    unlink(place->sun_path);
+    rmdir(name);
+}
+
 static void listens_anywhere_with_keys(void **state)
 {
     (void)state;
@@ -259,6 +299,7 @@ int main(void)
         cmocka_unit_test(names_the_nearest_flag),
         cmocka_unit_test(refuses_wrong_values),
         cmocka_unit_test(listens_on_loopback_only),
+        cmocka_unit_test(refuses_the_socket_of_a_process_that_accepts_no_connection),
         cmocka_unit_test(listens_anywhere_with_keys),
         cmocka_unit_test(origins_have_only_a_scheme_and_a_host),
         cmocka_unit_test(lists_two_frame_ancestors),
