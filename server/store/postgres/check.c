@@ -68,11 +68,8 @@ static enum server_outcome pg_check_all(struct server_pg *pg, struct check *chec
     do outcome = pg_check_next(pg, check);
     while (!outcome);
     if (outcome != SERVER_STORE_ABSENT) return outcome;
-    return server_pg_run(pg,
-                         SERVER_SQL("SELECT count(*) FROM objects"
-                                    " WHERE NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
-                                    " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
-                                    NULL, 0, server_sql_on_integers, unused));
+    return server_pg_run(pg, SERVER_SQL("SELECT count(*) FROM objects WHERE " SERVER_PG_UNUSED,
+                                        NULL, 0, server_sql_on_integers, unused));
 }
 
 bool server_store_check_postgres(const char *url, FILE *out)

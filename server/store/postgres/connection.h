@@ -100,6 +100,11 @@ enum server_outcome server_pg_read_object(struct server_pg *pg, const struct ser
 enum server_outcome server_pg_check_chunk(struct server_pg *pg, const struct server_object *object,
                                           uint64_t number, size_t *size);
 
+/* The SQL condition that no surface has the object `id`. */
+#define SERVER_PG_UNUSED                                                                           \
+    "NOT EXISTS (SELECT FROM surfaces WHERE file = id)"                                            \
+    " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)"
+
 /* Returns the number of chunks of the object. */
 uint64_t server_pg_chunks(const struct server_object *object);
 

@@ -112,9 +112,7 @@ static enum server_outcome pg_change_apply(struct server_pg *pg, struct change *
     if (!outcome)
         outcome = server_pg_run(
             pg, SERVER_SQL(
-                    "DELETE FROM objects WHERE id IN ($1, $2)"
-                    " AND NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
-                    " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
+                    "DELETE FROM objects WHERE id IN ($1, $2) AND " SERVER_PG_UNUSED,
                     SERVER_VALUES(server_sql_text(change->found.objects[SERVER_PART_FILE]),
                                   server_sql_text(change->found.objects[SERVER_PART_ATTACHMENT]))));
     if (!outcome && !change->text) outcome = pg_change_forget(pg, change);
@@ -334,8 +332,7 @@ static void objects_sweep(struct server_pg_pool *pool)
             attempt.outcome = server_pg_run(
                 attempt.pg,
                 SERVER_SQL("DELETE FROM objects WHERE created < now() - interval '1 day'"
-                           " AND NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
-                           " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)"));
+                           " AND " SERVER_PG_UNUSED));
     }
 }
 
