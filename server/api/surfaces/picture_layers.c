@@ -268,8 +268,10 @@ struct gd_picture_layer *server_drawn_add(struct server_picture_layers *layers, 
     return drawn;
 }
 
-struct gd_vec3 *server_drawn_points(struct server_picture_layers *layers,
-                                    struct server_query *query, uint64_t count)
+/* Allocates points that are freed with the figure's query. On failure, sets the problem and returns
+ * NULL. */
+static struct gd_vec3 *points_allocate(struct server_picture_layers *layers,
+                                       struct server_query *query, uint64_t count)
 {
     layers->points += count;
     if (layers->points > POINTS_MOST) {
@@ -288,7 +290,7 @@ struct gd_vec3 *server_drawn_points(struct server_picture_layers *layers,
 uint32_t *server_drawn_reserve(struct server_picture_layers *layers, struct server_query *query,
                                uint32_t count, uint64_t points, struct gd_picture_layer *drawn)
 {
-    drawn->points = server_drawn_points(layers, query, points);
+    drawn->points = points_allocate(layers, query, points);
     uint32_t *first = server_query_allocate(query, count + (size_t)1, sizeof *first);
     if (drawn->points && !first) server_query_refuse(query, GD_BUDGET, "the figure");
     drawn->first = first;
@@ -333,7 +335,7 @@ static bool controls_draw(struct server_picture_layers *layers, struct server_qu
     if (!lines_take(layers, query, server_arrays_find(arrays, "controls"),
                     server_arrays_find(arrays, "controls_first"), lines))
         return false;
-    struct gd_vec3 *ends = server_drawn_points(layers, query, lines->count);
+    struct gd_vec3 *ends = points_allocate(layers, query, lines->count);
     if (!ends) return false;
     for (uint32_t k = 0; k < lines->count; k++)
         ends[k] = lines->points[k % 2 ? lines->first[k] : lines->first[k + 1] - 1];
@@ -394,7 +396,7 @@ static bool located_draw(struct server_picture_layers *layers, struct server_que
                          uint32_t i)
 {
     const struct proto_located_points *located = &layers->located[i];
-    struct gd_vec3 *points = server_drawn_points(layers, query, located->count);
+    struct gd_vec3 *points = points_allocate(layers, query, located->count);
     for (uint32_t k = 0; points && k < located->count; k++)
         points[k] = gd_point_position(located->mesh, &located->points[k]);
     return points && marks_draw(layers, query, i, points, located->count);
@@ -408,7 +410,7 @@ static bool part_draw(struct server_picture_layers *layers, struct server_query 
     const struct server_arrays *arrays = &part->arrays;
     if (wanted->form == PROTO_PICTURE_LAYER_POINTS) {
         const struct server_array *xyz = server_arrays_find(arrays, "xyz");
-        struct gd_vec3 *points = server_drawn_points(layers, query, xyz->rows);
+        struct gd_vec3 *points = points_allocate(layers, query, xyz->rows);
         if (points) server_array_copy(xyz, points);
         return points && marks_draw(layers, query, i, points, (uint32_t)xyz->rows);
     }

@@ -43,11 +43,6 @@ void server_picture_layers_free(struct server_picture_layers *layers);
 /* Adds a layer with the pen of the request's layer i. */
 struct gd_picture_layer *server_drawn_add(struct server_picture_layers *layers, uint32_t i);
 
-/* Allocates points that are freed with the figure's query. On failure, sets the problem and returns
- * NULL. */
-struct gd_vec3 *server_drawn_points(struct server_picture_layers *layers,
-                                    struct server_query *query, uint64_t count);
-
 /* Allocates `points` points for the `count` lines of a layer. Returns the array of the indices
  * where the lines begin, for the caller to fill. On failure, sets the problem and returns NULL. */
 uint32_t *server_drawn_reserve(struct server_picture_layers *layers, struct server_query *query,

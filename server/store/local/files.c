@@ -28,7 +28,7 @@ struct server_path server_files_path(const struct server_files *files, const cha
     return path;
 }
 
-struct server_path server_files_object_path(const struct server_files *files, const char *object)
+static struct server_path object_path(const struct server_files *files, const char *object)
 {
     return server_files_path(files, "objects/%.2s/%s", object, object);
 }
@@ -138,10 +138,20 @@ static bool set_folder(struct server_files *files, const char *folder)
                          SERVER_STORE_FOLDER - 1);
 }
 
+/* Returns true and sets files->error if the folder is an unfinished copy. */
+static bool is_unfinished(struct server_files *files)
+{
+    return server_disk_exists(server_files_path(files, UNFINISHED).text) &&
+           !server_refuse(files->error,
+                          "'%s' is an unfinished copy: repeat the --restore or --backup that began "
+                          "it, or delete the folder",
+                          files->folder);
+}
+
 bool server_files_open(struct server_files *files, const char *folder)
 {
     struct stat facts;
-    if (!set_folder(files, folder) || server_files_is_unfinished(files) || !make_layout(files) ||
+    if (!set_folder(files, folder) || is_unfinished(files) || !make_layout(files) ||
         !lock_take(files, O_RDWR | O_CREAT))
         return false;
     /* earlier versions created databases with the permissions of the umask */
@@ -161,7 +171,7 @@ bool server_files_find(struct server_files *files, const char *folder)
         return server_refuse(
             files->error,
             "there is no data folder at '%s': name one that a daemon or --backup has made", folder);
-    return !server_files_is_unfinished(files);
+    return !is_unfinished(files);
 }
 
 bool server_files_open_existing(struct server_files *files, const char *folder)
@@ -188,15 +198,6 @@ bool server_files_are_there(const struct server_files *files)
 }
 
 /* --- copies ----------------------------------------------------------------------------------- */
-
-bool server_files_is_unfinished(struct server_files *files)
-{
-    return server_disk_exists(server_files_path(files, UNFINISHED).text) &&
-           !server_refuse(files->error,
-                          "'%s' is an unfinished copy: repeat the --restore or --backup that began "
-                          "it, or delete the folder",
-                          files->folder);
-}
 
 static bool mark_unfinished(const struct server_files *files, const char *path)
 {
@@ -234,7 +235,7 @@ static bool has_data(const struct server_files *files, bool removes)
 bool server_files_open_copy(struct server_files *files, const char *folder)
 {
     if (!set_folder(files, folder)) return false;
-    bool is_new = !server_files_is_unfinished(files);
+    bool is_new = !is_unfinished(files);
     if (is_new && has_data(files, false))
         return server_refuse(files->error, "'%s' holds a data folder already: name a new one",
                              folder);
@@ -265,7 +266,7 @@ enum server_outcome server_files_read_object(const struct server_files *files,
     char found[SERVER_SHA256_HEX];
     size_t size;
     enum server_outcome outcome =
-        server_disk_read(server_files_object_path(files, object->id).text, bytes, &size);
+        server_disk_read(object_path(files, object->id).text, bytes, &size);
     if (outcome) return outcome;
     server_sha256(*bytes, size, found);
     if (size == object->size && strncmp(found, object->id, HASH) == 0) return SERVER_STORE_DONE;
@@ -306,8 +307,8 @@ enum server_outcome server_files_verify_object(const struct server_files *files,
     char found[SERVER_SHA256_HEX];
     struct verification verification = {.sum = server_sha256_begin(), .pace = pace, .user = user};
     if (!verification.sum) return SERVER_STORE_UNAVAILABLE;
-    enum server_outcome outcome = server_disk_scan(server_files_object_path(files, object->id).text,
-                                                   verification_on_piece, &verification);
+    enum server_outcome outcome =
+        server_disk_scan(object_path(files, object->id).text, verification_on_piece, &verification);
     server_sha256_end(verification.sum, found);
     if (outcome == SERVER_STORE_NO_MEMORY || verification.was_ended)
         return SERVER_STORE_UNAVAILABLE;
@@ -328,7 +329,7 @@ enum server_outcome server_files_copy_object(const struct server_files *files,
                                              server_disk_copier *copy)
 {
     const struct server_path folder = object_folder(files, object),
-                             path = server_files_object_path(files, object->id);
+                             path = object_path(files, object->id);
     void *bytes = NULL;
     enum server_outcome outcome = server_disk_make_folder(folder.text);
     if (outcome) return outcome;
@@ -336,7 +337,7 @@ enum server_outcome server_files_copy_object(const struct server_files *files,
     /* an interrupted attempt may have left part of the file */
     if (!is_there) (void)unlink(path.text);
     outcome = is_there ? server_disk_sync_file(path.text)
-                       : copy(server_files_object_path(from, object->id).text, path.text);
+                       : copy(object_path(from, object->id).text, path.text);
     if (!outcome) outcome = server_disk_sync_folder(folder.text);
     if (!outcome && !is_there) outcome = server_files_read_object(files, object, &bytes);
     free(bytes);
@@ -355,7 +356,7 @@ enum server_outcome server_files_write_object(struct server_files *files,
                                               const struct server_object *object, const void *bytes)
 {
     const struct server_path folder = object_folder(files, object),
-                             path = server_files_object_path(files, object->id);
+                             path = object_path(files, object->id);
     enum server_outcome outcome = server_disk_make_folder(folder.text);
     if (outcome) return outcome;
     return has_object(files, object) ? server_disk_sync_folder(folder.text)
@@ -365,7 +366,7 @@ enum server_outcome server_files_write_object(struct server_files *files,
 void server_files_remove_object(const struct server_files *files, const char *object)
 {
     /* if this fails, the next start removes the file */
-    (void)unlink(server_files_object_path(files, object).text);
+    (void)unlink(object_path(files, object).text);
 }
 
 /* --- manifests -------------------------------------------------------------------------------- */

@@ -36,7 +36,6 @@ struct server_path {
 /* Returns the path of a file in the folder; arguments as for printf. */
 struct server_path server_files_path(const struct server_files *files, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-struct server_path server_files_object_path(const struct server_files *files, const char *object);
 struct server_path server_files_manifest_path(const struct server_files *files, const char *key);
 
 /* Lists one of the store's folders. */
@@ -61,9 +60,6 @@ bool server_files_find(struct server_files *files, const char *folder);
  * are kept. The copy is unfinished until server_files_finish is called. */
 bool server_files_open_copy(struct server_files *files, const char *folder);
 enum server_outcome server_files_finish(const struct server_files *files);
-
-/* Returns true and sets files->error if the folder is an unfinished copy. */
-bool server_files_is_unfinished(struct server_files *files);
 
 /* Returns false if the folder, a folder in it, or the database was removed or replaced. */
 bool server_files_are_there(const struct server_files *files);
