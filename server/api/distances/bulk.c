@@ -352,10 +352,9 @@ static uint32_t pairs_sort(struct pairs_query *own, const struct point_list *row
     uint32_t count = own->count, groups = 0;
     own->row = row;
     own->column = row == &own->from ? &own->to : &own->from;
-    for (uint32_t i = 0; i < count; i++) {
-        uint64_t element = (uint64_t)points[i].kind << 32 | points[i].element;
-        own->order[i] = (struct pair_order){row->count == 1 ? 0 : element, i};
-    }
+    for (uint32_t i = 0; i < count; i++)
+        own->order[i] = (struct pair_order){
+            row->count == 1 ? 0 : (uint64_t)points[i].kind << 32 | points[i].element, i};
     if (row->count > 1)
         qsort_r(own->order, count, sizeof *own->order, order_compare, (void *)points);
     for (uint32_t i = 0; i < count; i++) {
