@@ -481,8 +481,7 @@ static bool entry_read(const unsigned char *bytes, size_t size, const unsigned c
     *out = (struct server_array){.name = *known,
                                  .type = (enum server_array_type)get32(entry + 32),
                                  .columns = get32(entry + 36),
-                                 .rows = get64(entry + 40),
-                                 .source = bytes + offset};
+                                 .rows = get64(entry + 40)};
     if (out->type < SERVER_ARRAY_NUMBERS || out->type > SERVER_ARRAY_INDICES)
         return refuse_bytes(problem, "an array has an unknown type");
     if (offset % 8 || offset > size || length > size - offset)
@@ -492,6 +491,7 @@ static bool entry_read(const unsigned char *bytes, size_t size, const unsigned c
         length != array_numbers(out) * type_bytes(out->type))
         return refuse_bytes(problem, "an array's number of bytes does not match its rows and "
                                      "columns");
+    out->source = bytes + offset;
     return true;
 }
 

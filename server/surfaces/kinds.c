@@ -336,8 +336,8 @@ static enum gd_status nurbs_read(struct build *build, const struct gd_control *c
 static size_t nurbs_read_cost(const struct server_builder *builder)
 {
     static const char member[] = "\"trims\"";
-    bool is_trimmed =
-        memmem(builder->bytes, (size_t)builder->record->size, member, sizeof member - 1) != NULL;
+    size_t size = (size_t)builder->record->size; /* 0 means that the bytes may be NULL */
+    bool is_trimmed = size && memmem(builder->bytes, size, member, sizeof member - 1);
     return json_cost(builder) + (is_trimmed ? TRIMS_BYTES : 0);
 }
 
