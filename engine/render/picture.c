@@ -202,7 +202,7 @@ struct studio {
     struct gd__scale scale; /* if there is a field */
     struct gd__camera camera;
     struct gd__screen_point *points;    /* per vertex */
-    struct band_lane lanes[BAND_LANES]; /* the second is open only if there are threads for it */
+    struct band_lane lanes[BAND_LANES]; /* the second is open only while bands are drawn */
     bool *band_is_drawn;
     struct gd__depth_buffer buffer;
     struct gd__image image;
@@ -305,8 +305,7 @@ static enum gd_status project(struct studio *studio, const struct gd_control *co
     return pace.status;
 }
 
-/* Opens the lanes of bands. */
-static enum gd_status open_lanes(struct studio *studio, const struct gd_control *control)
+static enum gd_status open_first_lane(struct studio *studio, const struct gd_control *control)
 {
     struct gd__raster *raster = &studio->lanes[0].raster;
     struct gd__shade *shade = &studio->lanes[0].shade;
@@ -324,12 +323,20 @@ static enum gd_status open_lanes(struct studio *studio, const struct gd_control 
                                 .range = studio->scale.range,
                                 .edges = studio->picture->edges};
     enum gd_status status = gd__raster_open(raster, arena, control);
-    if (!status) status = gd__shade_open(shade, arena, control);
-    if (status || !control->executor) return status;
-    struct band_lane *other = &studio->lanes[1];
-    other->raster = gd__raster_copy(raster, arena);
-    other->shade = gd__shade_copy(shade, &other->raster, arena);
-    return arena->status;
+    return status ? status : gd__shade_open(shade, arena, control);
+}
+
+/* Opens the second lane in the arena, if there are threads for it. Returns false if there are none,
+ * or if the budget or memory is too small for it. */
+static bool open_second_lane(struct studio *studio, struct gd__arena *arena)
+{
+    const struct gd_control *control = studio->share.control;
+    const struct band_lane *first = &studio->lanes[0];
+    struct band_lane *second = &studio->lanes[1];
+    if (!control || !control->executor || control->executor->width < 2) return false;
+    second->raster = gd__raster_copy(&first->raster, arena);
+    second->shade = gd__shade_copy(&first->shade, &second->raster, arena);
+    return !arena->status;
 }
 
 static enum gd_status open_surface(struct studio *studio)
@@ -342,7 +349,7 @@ static enum gd_status open_surface(struct studio *studio)
         .height = studio->legend.height,
         .is_opaque = !studio->palette.is_transparent,
         .pixel = gd__arena_large(&studio->arena, pixels, sizeof *studio->image.pixel)};
-    if (!status) status = open_lanes(studio, &control);
+    if (!status) status = open_first_lane(studio, &control);
     studio->band_is_drawn = gd__arena_zeroed(&studio->arena, studio->lanes[0].raster.bands,
                                              sizeof *studio->band_is_drawn);
     return status
@@ -363,17 +370,33 @@ static enum gd_status draw_band(void *context, uint32_t number, uint32_t band,
     return status;
 }
 
-static enum gd_status draw_surface(struct studio *studio)
+/* Draws the bands that are not drawn yet. `held` is the number of bytes held. */
+static enum gd_status draw_bands(struct studio *studio, const struct gd_executor *executor,
+                                 size_t held)
 {
-    enum gd_status status = open_surface(studio);
-    struct gd_control control = gd__share_control(&studio->share, studio->arena.budget.held);
-    const struct gd__lanes lanes = {.executor = control.executor,
+    struct gd_control control = gd__share_control(&studio->share, held);
+    const struct gd__lanes lanes = {.executor = executor,
                                     .control = &control,
                                     .share = &studio->share,
                                     .count = studio->lanes[0].raster.bands,
                                     .make = draw_band,
                                     .context = studio};
-    return status ? status : gd__lanes_run(&lanes);
+    return gd__lanes_run(&lanes);
+}
+
+/* The second lane takes memory. If the budget is too small for it, one lane draws the rest. */
+static enum gd_status draw_surface(struct studio *studio)
+{
+    enum gd_status status = open_surface(studio);
+    if (status) return status;
+    struct gd__arena arena = {.budget = studio->arena.budget};
+    uint32_t done = studio->share.done;
+    if (open_second_lane(studio, &arena))
+        status = draw_bands(studio, studio->share.control->executor, arena.budget.held);
+    gd__arena_free(&arena);
+    if (status == GD_CANCELLED || status == GD_DEADLINE) return status;
+    studio->share.done = done;
+    return draw_bands(studio, NULL, studio->arena.budget.held);
 }
 
 /* --- lines ------------------------------------------------------------------------------------ */

@@ -450,6 +450,57 @@ static void pictures_do_not_depend_on_the_threads(void **state)
     gd_mesh_release(mesh);
 }
 
+/* Returns the least budget that suffices for a picture without an executor, and up to 4096 more. */
+static size_t least_budget(const struct gd_picture *picture)
+{
+    size_t low = 0, high = 16 << 20;
+    while (high - low > 4096) {
+        size_t middle = (low + high) / 2;
+        enum gd_status status =
+            status_of(picture, &(struct gd_control){.budget_bytes = middle ? middle : 1});
+        assert_true(status == GD_OK || status == GD_BUDGET);
+        *(status ? &low : &high) = middle;
+    }
+    return high;
+}
+
+/* Where the budget is too small for two lanes, one lane begins unfinished bands again. */
+static void threads_need_no_larger_budget(void **state)
+{
+    (void)state;
+    struct flat flat = open_flat(1, 1);
+    const struct gd_picture picture = {
+        .mesh = flat.mesh, .field = flat.field, .width = 200, .height = 200, .view = GD_VIEW_FRONT};
+    void *one, *two;
+    size_t size, same, least = least_budget(&picture);
+    check_ok(gd_picture_png(&picture, NULL, &one, &size), NULL);
+    for (size_t more = 0; more < 64; more++) {
+        const struct gd_control both = {.executor = &two_threads,
+                                        .budget_bytes = least + (more << 16)};
+        check_ok(gd_picture_png(&picture, &both, &two, &same), NULL);
+        assert_int_equal(size, same);
+        assert_memory_equal(one, two, size);
+        free(two);
+    }
+    free(one);
+    close_flat(&flat);
+}
+
+static void two_threads_can_be_cancelled(void **state)
+{
+    (void)state;
+    struct flat flat = open_flat(1, 1);
+    const struct gd_picture picture = {
+        .mesh = flat.mesh, .field = flat.field, .width = 200, .height = 200, .isolines = 5};
+    for (uint32_t most = 1; most < 20; most++) {
+        struct test_watch watch = {.most = most};
+        const struct gd_control both = {
+            .executor = &two_threads, .progress = test_watch, .user = &watch};
+        assert_int_equal(status_of(&picture, &both), GD_CANCELLED);
+    }
+    close_flat(&flat);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_triangle_has_its_area),
@@ -463,6 +514,8 @@ int main(void)
                                        cmocka_unit_test(an_svg_has_lines_and_an_image),
                                        cmocka_unit_test(the_control_is_checked),
                                        cmocka_unit_test(two_threads_choose_the_same_view),
-                                       cmocka_unit_test(pictures_do_not_depend_on_the_threads)};
+                                       cmocka_unit_test(pictures_do_not_depend_on_the_threads),
+                                       cmocka_unit_test(threads_need_no_larger_budget),
+                                       cmocka_unit_test(two_threads_can_be_cancelled)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
