@@ -112,7 +112,6 @@ static enum gd_status normals_make(struct normals *normals, const struct gd_cont
 static void scratch_open(struct gd__shade *shade, struct gd__arena *arena)
 {
     size_t pixels = (size_t)shade->raster->width * shade->raster->rows;
-    shade->fragment_count = 0;
     shade->fragments = gd__arena_take(arena, BATCH, sizeof *shade->fragments);
     shade->points = gd__arena_take(arena, BATCH, sizeof *shade->points);
     shade->distances = gd__arena_take(arena, BATCH, sizeof *shade->distances);
@@ -367,6 +366,7 @@ enum gd_status gd__shade_band(struct gd__shade *shade, uint32_t band,
     uint32_t width = raster->width, top = band * raster->rows,
              rows = raster->height - top < raster->rows ? raster->height - top : raster->rows;
     enum gd_status status = GD_OK;
+    shade->fragment_count = 0; /* a band that was not finished may have left fragments */
     for (size_t i = 0; i < (size_t)rows * width; i++)
         for (int k = 0; k < 4; k++) shade->sum[i][k] = 0;
     for (uint32_t i = 0; i < rows * width && !status; i++) {
