@@ -59,7 +59,7 @@ FAMILIES = {
     "noisy torus": ("#ff7f0e", doubling(lambda faces: torus(faces, "--noise", 0.3))),
     "noisy sphere": ("#d62728", lambda step: sample("icosphere", "--noise", 0.3, level=step + 3) if step <= 6 else None),
     "flat grid": ("#2ca02c", doubling(lambda faces: sample("grid", columns=root(faces / 2), rows=root(faces / 2)))),
-    "CAD: box": ("#004d40", doubling(lambda faces: sample("box", cells=root(faces / 12)))),
+    "CAD: box": ("#004d40", doubling(lambda faces: sample("box", cells=root(faces / 12)) if faces <= 4_320_000 else None)),
     "CAD: fandisk, subdivided": ("#8c564b", subdivided("fandisk")),
     "terrain": ("#9467bd", doubling(lambda faces: sample("terrain", cells=root(faces / 2)))),
     "slivers: steep terrain": ("#e377c2", doubling(lambda faces: sample("terrain", cells=root(faces / 2), amplitude=20))),
