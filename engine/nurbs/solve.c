@@ -518,8 +518,8 @@ static bool is_astray(const struct gd__solution *solution)
 /* Judges the curve after the last refinement. Where pieces stray far, the length is not that of a
  * curve on the surface, and the coarse curve `spare` replaces it. If the curve is no geodesic,
  * changes between refinements say nothing about its error. */
-static void judge(const struct gd__task *task, struct gd__solution *solution,
-                  struct gd__solution *spare)
+static void solution_judge(const struct gd__task *task, struct gd__solution *solution,
+                           struct gd__solution *spare)
 {
     if (is_astray(solution)) {
         struct gd__solution strayed = *solution;
@@ -566,7 +566,7 @@ enum gd_status gd__solve_fine(const struct gd__task *task, struct gd__solution *
         if (i >= ASTRAY_MOST && is_astray(solution)) break;
         if (i >= PATIENCE && gd__solution_is_bent(task, solution)) break;
     }
-    if (!status) judge(task, solution, &spare);
+    if (!status) solution_judge(task, solution, &spare);
     free(spare.chain);
     return status;
 }

@@ -259,8 +259,8 @@ bool server_exchange_is_unwanted(struct server_exchange *exchange);
 
 /* server_exchange_submit passes a deferred exchange to the workers (reply.c). The caller must not
  * use the exchange any more. If the queue is full, the reply is the problem `overloaded`.
- * server_exchange_queue queues an exchange that another thread than a worker runs. Returns false
- * with the reply `overloaded` if the queue is full.
+ * server_exchange_queue moves an exchange from the thread `batch_readers` to the workers. Returns
+ * false with the reply `overloaded` if the queue is full.
  * server_exchange_count_deferred counts one more deferred exchange. */
 void server_exchange_submit(struct server_exchange *exchange);
 bool server_exchange_queue(struct server_exchange *exchange);

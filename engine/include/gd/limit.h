@@ -80,9 +80,9 @@ struct gd_limit_closest {
  * control points is near enough, applies Newton's method from the local minima of an 8 x 8 grid.
  * The search can miss a minimum narrower than that grid; otherwise the result is exact to about
  * 1e-14 of the coordinates. If several points are closest, the result is any of them. `control` and
- * `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (not finite, or the square of the
- * distance overflows), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: 5 ns for every
- * face, and tens of microseconds for each face near `xyz`. Thread-safe. */
+ * `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (not finite, or the square of the distance
+ * overflows), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: 5 ns for every face, and
+ * tens of microseconds for each face near `xyz`. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_nearest(const struct gd_subdivision *surface,
                                             struct gd_vec3 xyz, const struct gd_control *control,
                                             struct gd_limit_closest *out, struct gd_detail *detail);

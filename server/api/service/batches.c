@@ -112,7 +112,7 @@ static bool check_added(struct server_exchange *exchange, enum server_outcome ou
         exchange,
         proto_problem_set(&problem, PROTO_PROBLEM_STORE_UNAVAILABLE,
                           "the database does not answer, and it is not known whether it has added "
-                          "the batch; GET /v1/batches lists the batch in that case"),
+                          "the batch; if it has, GET /v1/batches lists the batch"),
         &problem);
 }
 
