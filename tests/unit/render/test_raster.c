@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "render/raster.h"
+#include "render/shade.h"
 #include "tests/samples/samples.h"
 
 enum { SIDE = 96, GRID = 4 };
@@ -202,10 +202,53 @@ static void work_within_a_band_can_be_cancelled(void **state)
     close_scene(&scene);
 }
 
+static bool count_down(void *user, double fraction)
+{
+    uint32_t *checks = user;
+    (void)fraction;
+    return (*checks)-- > 0;
+}
+
+static enum gd_status colour_band(struct scene *scene, struct gd__shade *shade, uint32_t band,
+                                  uint32_t checks, struct gd__image *image)
+{
+    const struct gd_control control = {.progress = count_down, .user = &checks};
+    check_ok(gd__raster_fill(&scene->raster, band, NULL), NULL);
+    return gd__shade_band(shade, band, &control, image);
+}
+
+/* Fragments of a band that was cancelled are not coloured in the next band. */
+static void a_cancelled_band_leaves_no_fragments(void **state)
+{
+    (void)state;
+    static uint8_t pixels[2][SIDE * SIDE][4];
+    struct gd__image images[2] = {{SIDE, SIDE, true, pixels[0]}, {SIDE, SIDE, true, pixels[1]}};
+    struct gd_polygons polygons;
+    struct rng rng = {5};
+    check_ok(sample_grid(40, 40, SIDE, SIDE, &polygons), NULL);
+    for (uint32_t i = 0; i < polygons.position_count; i++)
+        polygons.positions[i][2] = rng_between(&rng, -2, 2);
+    struct scene scene = open_scene(&polygons, SIDE / 2);
+    struct gd__camera camera =
+        gd__camera_aim(scene.mesh, (struct gd_vec3){0, 0, 1}, (struct gd_vec3){0, 1, 0});
+    struct gd__shade shade = {.raster = &scene.raster,
+                              .camera = &camera,
+                              .palette = gd__palette(GD_BACKGROUND_WHITE),
+                              .range = 1};
+    check_ok(gd__shade_open(&shade, &scene.arena, NULL), NULL);
+    check_ok(colour_band(&scene, &shade, 1, UINT32_MAX, &images[0]), NULL);
+    assert_int_equal(colour_band(&scene, &shade, 0, 5, &images[1]), GD_CANCELLED);
+    check_ok(colour_band(&scene, &shade, 1, UINT32_MAX, &images[1]), NULL);
+    assert_memory_equal(pixels[0], pixels[1], sizeof pixels[0]);
+    close_scene(&scene);
+    gd_polygons_free(&polygons);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(nearest_face_at_every_sample),
                                        cmocka_unit_test(no_gaps_between_neighbours),
-                                       cmocka_unit_test(work_within_a_band_can_be_cancelled)};
+                                       cmocka_unit_test(work_within_a_band_can_be_cancelled),
+                                       cmocka_unit_test(a_cancelled_band_leaves_no_fragments)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
