@@ -47,9 +47,11 @@ static char *image_of(const struct gd_field *field, size_t *size)
     char *image = malloc(*size);
     assert_non_null(image);
     gd_field_write_image(field, image);
-    uint64_t build_ns = gd_field_statistics(field)->build_ns;
-    char *at = memmem(image, *size, &build_ns, sizeof build_ns);
-    if (at) memset(at, 0, sizeof build_ns);
+    const struct gd_field_statistics *statistics = gd_field_statistics(field);
+    /* the bytes of all statistics, because those of the time alone may also stand elsewhere */
+    char *at = memmem(image, *size, statistics, sizeof *statistics);
+    assert_non_null(at);
+    memset(at + offsetof(struct gd_field_statistics, build_ns), 0, sizeof statistics->build_ns);
     return image;
 }
 
